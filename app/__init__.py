@@ -1,0 +1,1 @@
+"""A camera, a clock and a person: the command line and the programs behind it."""

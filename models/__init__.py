@@ -1,0 +1,1 @@
+"""Everything that produces splats: the GEM, its file, its driver, and how they are made."""

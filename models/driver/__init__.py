@@ -1,0 +1,1 @@
+"""A person's face to coefficients: track, feature, neutral, regress, smooth."""

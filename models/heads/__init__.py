@@ -1,0 +1,1 @@
+"""The animatable MakeHuman head: mesh and shapes, skin, performances, baking poses into splats."""

@@ -1,0 +1,1 @@
+"""How models are learned (needs the extra ``gemheads[train]``: torch)."""

@@ -1,0 +1,1 @@
+"""Splats and a camera in, pixels out."""
