@@ -1,0 +1,288 @@
+"""A TFLite network as an ONNX graph: only the operations the three face networks use.
+
+Convolutions keep their activations in NCHW, everything else stays in the source's NHWC, with transposes where the two
+meet. The names of nodes and weights are counted in visiting order, so the same source gives the same bytes.
+Needs the packages onnx and tflite.
+"""
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+import onnx
+import tflite
+from numpy.typing import NDArray
+from onnx import TensorProto, helper, numpy_helper
+
+Layout = Literal["nchw", "source"]
+Array = NDArray[Any]
+
+_OPSET = 17
+_IR_VERSION = 8
+_PRODUCER = "tfl2onnx-mini"
+_HALF_FROM = 65
+"""Weights of at least this many values are stored as float16 where that loses nothing."""
+_OP_NAMES = {value: name for name, value in vars(tflite.BuiltinOperator).items() if isinstance(value, int)}
+_DTYPES = {
+    tflite.TensorType.FLOAT32: np.float32,
+    tflite.TensorType.FLOAT16: np.float16,
+    tflite.TensorType.INT32: np.int32,
+    tflite.TensorType.INT64: np.int64,
+}
+_BINARY = {
+    "ADD": ("Add", tflite.AddOptions),
+    "SUB": ("Sub", tflite.SubOptions),
+    "MUL": ("Mul", tflite.MulOptions),
+    "DIV": ("Div", tflite.DivOptions),
+}
+_UNARY = {"RELU": "Relu", "LOGISTIC": "Sigmoid", "NEG": "Neg", "SQRT": "Sqrt"}
+
+
+def convert(source: bytes, name: str, outputs: Sequence[str], extra_tensors: Sequence[int] = ()) -> onnx.ModelProto:
+    """The ONNX model of a TFLite file with one input, which is called ``input``.
+
+    ``outputs`` names the source's outputs and, behind them, ``extra_tensors``: inner tensors, by their index, that are
+    made outputs too. Outputs of rank 4 are flattened to [1, n].
+    Raises NotImplementedError naming an operation that none of the face networks has.
+    """
+    return _Conversion(source).run(name, outputs, extra_tensors)
+
+
+class _Conversion:
+    def __init__(self, source: bytes) -> None:
+        self.model = tflite.Model.GetRootAsModel(source, 0)
+        self.graph: Any = self.model.Subgraphs(0)
+        self.nodes: list[onnx.NodeProto] = []
+        self.weights: list[onnx.TensorProto] = []
+        self.constants: dict[int, Array] = {}
+        self.values: dict[int, tuple[str, Layout]] = {}
+        """Source tensor -> its ONNX name and layout."""
+        self.transposed: dict[tuple[int, Layout], str] = {}
+        self.weight_names: dict[tuple[str, tuple[int, ...], bytes], str] = {}
+        self.count = 0
+        for i in range(self.graph.TensorsLength()):
+            tensor = self.graph.Tensors(i)
+            buffer = self.model.Buffers(tensor.Buffer())
+            if buffer.DataLength():
+                flat = np.frombuffer(buffer.DataAsNumpy().tobytes(), _DTYPES[tensor.Type()])
+                self.constants[i] = flat.reshape(self.shape(i))
+
+    def run(self, name: str, outputs: Sequence[str], extra_tensors: Sequence[int]) -> onnx.ModelProto:
+        source_input = int(self.graph.InputsAsNumpy()[0])
+        self.values[source_input] = ("input", "source")
+        inputs = [helper.make_tensor_value_info("input", TensorProto.FLOAT, self.shape(source_input))]
+        for i in range(self.graph.OperatorsLength()):
+            self.add_operation(self.graph.Operators(i))
+        infos: list[onnx.ValueInfoProto] = []
+        tensors = [int(i) for i in self.graph.OutputsAsNumpy()] + list(extra_tensors)
+        for output, tensor in zip(outputs, tensors, strict=True):
+            value, shape = self.get(tensor, "source"), self.shape(tensor)
+            if len(shape) == 4:
+                value = self.node("Reshape", [value, self.weight(np.array([1, -1], np.int64))])
+                shape = [1, int(np.prod(shape))]
+            self.nodes.append(helper.make_node("Identity", [value], [output]))
+            infos.append(helper.make_tensor_value_info(output, TensorProto.FLOAT, shape))
+        graph = helper.make_graph(self.nodes, name, inputs, infos, self.weights)
+        model = helper.make_model(
+            graph,
+            opset_imports=[helper.make_opsetid("", _OPSET)],
+            producer_name=_PRODUCER,
+            ir_version=_IR_VERSION,
+        )
+        onnx.checker.check_model(model)
+        return model
+
+    def shape(self, tensor: int) -> list[int]:
+        source = self.graph.Tensors(tensor)
+        return [int(n) for n in source.ShapeAsNumpy()] if source.ShapeLength() else []
+
+    def fresh(self, prefix: str) -> str:
+        self.count += 1
+        return f"{prefix}{self.count}"
+
+    def node(self, operation: str, inputs: Sequence[str], **attributes: Any) -> str:
+        output = self.fresh(operation.lower())
+        self.nodes.append(helper.make_node(operation, inputs, [output], **attributes))
+        return output
+
+    def weight(self, array: Array) -> str:
+        """The name of a constant, stored once however often it is used."""
+        key = (array.dtype.str, array.shape, array.tobytes())
+        if key not in self.weight_names:
+            name = self.fresh("w")
+            half = array.astype(np.float16) if array.dtype == np.float32 and array.size >= _HALF_FROM else None
+            if half is not None and np.array_equal(half.astype(np.float32), array):
+                self.weights.append(numpy_helper.from_array(half, name))
+                name = self.node("Cast", [name], to=TensorProto.FLOAT)
+            else:
+                self.weights.append(numpy_helper.from_array(np.ascontiguousarray(array), name))
+            self.weight_names[key] = name
+        return self.weight_names[key]
+
+    def get(self, tensor: int, layout: Layout) -> str:
+        """The ONNX name of a source tensor in the layout wanted."""
+        if tensor in self.constants:
+            array = self.constants[tensor]
+            if layout == "nchw":
+                array = array.reshape((1,) * (4 - array.ndim) + array.shape).transpose(0, 3, 1, 2)
+            return self.weight(array)
+        name, held = self.values[tensor]
+        if held == layout or len(self.shape(tensor)) != 4:
+            return name
+        if (tensor, layout) not in self.transposed:
+            axes = [0, 3, 1, 2] if layout == "nchw" else [0, 2, 3, 1]
+            self.transposed[tensor, layout] = self.node("Transpose", [name], perm=axes)
+        return self.transposed[tensor, layout]
+
+    def shared_layout(self, inputs: Sequence[int]) -> Layout:
+        moving = [self.values[i][1] for i in inputs if i not in self.constants]
+        return "nchw" if "nchw" in moving else "source"
+
+    def activated(self, value: str, activation: int) -> str:
+        if activation == tflite.ActivationFunctionType.NONE:
+            return value
+        if activation == tflite.ActivationFunctionType.RELU:
+            return self.node("Relu", [value])
+        raise NotImplementedError(f"fused activation {activation}")
+
+    def add_operation(self, operation: Any) -> None:
+        code = self.model.OperatorCodes(operation.OpcodeIndex())
+        name = _OP_NAMES[max(code.BuiltinCode(), code.DeprecatedBuiltinCode())]
+        inputs = [int(i) for i in operation.InputsAsNumpy()]
+        output = int(operation.OutputsAsNumpy()[0])
+
+        def options(kind: Any) -> Any:
+            read = kind()
+            read.Init(operation.BuiltinOptions().Bytes, operation.BuiltinOptions().Pos)
+            return read
+
+        if name == "DEQUANTIZE":
+            self.constants[output] = self.constants[inputs[0]].astype(np.float32)
+        elif name in ("CONV_2D", "DEPTHWISE_CONV_2D"):
+            depthwise = name == "DEPTHWISE_CONV_2D"
+            kind = tflite.DepthwiseConv2DOptions if depthwise else tflite.Conv2DOptions
+            self.values[output] = (self.convolution(inputs, options(kind), depthwise), "nchw")
+        elif name == "PRELU":
+            self.values[output] = (self.prelu(inputs), "nchw")
+        elif name == "MAX_POOL_2D":
+            self.values[output] = (self.max_pool(inputs, options(tflite.Pool2DOptions)), "nchw")
+        elif name == "PAD":
+            layout = self.shared_layout(inputs[:1])
+            pads = self.constants[inputs[1]]
+            if layout == "nchw":
+                pads = pads[[0, 3, 1, 2]]
+            amounts = self.weight_after(inputs[0], layout, np.concatenate([pads[:, 0], pads[:, 1]]).astype(np.int64))
+            self.values[output] = (self.node("Pad", amounts), layout)
+        elif name in _UNARY:
+            layout = self.shared_layout(inputs)
+            self.values[output] = (self.node(_UNARY[name], [self.get(inputs[0], layout)]), layout)
+        elif name == "RSQRT":
+            layout = self.shared_layout(inputs)
+            root = self.node("Sqrt", [self.get(inputs[0], layout)])
+            self.values[output] = (self.node("Reciprocal", [root]), layout)
+        elif name in _BINARY:
+            layout = self.shared_layout(inputs)
+            value = self.node(_BINARY[name][0], [self.get(i, layout) for i in inputs])
+            activation = options(_BINARY[name][1]).FusedActivationFunction()
+            self.values[output] = (self.activated(value, activation), layout)
+        elif name == "SQUARED_DIFFERENCE":
+            layout = self.shared_layout(inputs)
+            difference = self.node("Sub", [self.get(i, layout) for i in inputs])
+            self.values[output] = (self.node("Mul", [difference, difference]), layout)
+        elif name in ("MEAN", "SUM"):
+            self.values[output] = (self.reduction(name, inputs, options(tflite.ReducerOptions)), "source")
+        elif name == "RESHAPE":
+            shaped = self.weight_after(inputs[0], "source", np.array(self.shape(output), np.int64))
+            self.values[output] = (self.node("Reshape", shaped), "source")
+        elif name == "TRANSPOSE":
+            axes = [int(i) for i in self.constants[inputs[1]]]
+            self.values[output] = (self.node("Transpose", [self.get(inputs[0], "source")], perm=axes), "source")
+        elif name == "CONCATENATION":
+            axis = options(tflite.ConcatenationOptions).Axis()
+            self.values[output] = (self.node("Concat", [self.get(i, "source") for i in inputs], axis=axis), "source")
+        elif name == "STRIDED_SLICE":
+            self.values[output] = (self.strided_slice(inputs, output, options(tflite.StridedSliceOptions)), "source")
+        else:
+            raise NotImplementedError(f"TFLite operation {name}")
+
+    def weight_after(self, tensor: int, layout: Layout, constant: Array) -> list[str]:
+        """A moving input and a constant, named in this order."""
+        value = self.get(tensor, layout)
+        return [value, self.weight(constant)]
+
+    def padding(self, kind: int, size: Sequence[int], kernel: Sequence[int], options: Any) -> list[int]:
+        """ONNX pads (top, left, bottom, right) of TFLite's SAME or VALID."""
+        if kind == tflite.Padding.VALID:
+            return [0, 0, 0, 0]
+        before_after: list[tuple[int, int]] = []
+        for n, k, stride in zip(size, kernel, (options.StrideH(), options.StrideW()), strict=True):
+            missing = max((-(-n // stride) - 1) * stride + k - n, 0)
+            before_after.append((missing // 2, missing - missing // 2))
+        (top, bottom), (left, right) = before_after
+        return [top, left, bottom, right]
+
+    def convolution(self, inputs: Sequence[int], options: Any, depthwise: bool) -> str:
+        weights = self.constants[inputs[1]]
+        if (options.DilationHFactor(), options.DilationWFactor()) != (1, 1):
+            raise NotImplementedError("dilated convolution")
+        shape, kernel = self.shape(inputs[0]), list(weights.shape[1:3])
+        oihw = weights.transpose(3, 0, 1, 2) if depthwise else weights.transpose(0, 3, 1, 2)
+        arguments = [self.get(inputs[0], "nchw"), self.weight(np.ascontiguousarray(oihw))]
+        if len(inputs) > 2 and inputs[2] >= 0:
+            arguments.append(self.weight(self.constants[inputs[2]]))
+        value = self.node(
+            "Conv",
+            arguments,
+            kernel_shape=kernel,
+            strides=[options.StrideH(), options.StrideW()],
+            dilations=[1, 1],
+            pads=self.padding(options.Padding(), shape[1:3], kernel, options),
+            group=shape[3] if depthwise else 1,
+        )
+        return self.activated(value, options.FusedActivationFunction())
+
+    def prelu(self, inputs: Sequence[int]) -> str:
+        """PReLU(x) = (1 - a) Relu(x) + a x as two depthwise 1x1 convolutions.
+
+        onnxruntime's own PRelu leaves the blocked layout of its convolutions and makes the landmark network 3x slower.
+        """
+        slope = self.constants[inputs[1]].reshape(-1).astype(np.float32)
+        value = self.get(inputs[0], "nchw")
+
+        def scaled(x: str, factor: Array) -> str:
+            kernel = self.weight(np.ascontiguousarray(factor.reshape(-1, 1, 1, 1)))
+            return self.node("Conv", [x, kernel], group=len(slope), kernel_shape=[1, 1])
+
+        positive = scaled(self.node("Relu", [value]), np.float32(1) - slope)
+        return self.node("Add", [positive, scaled(value, slope)])
+
+    def max_pool(self, inputs: Sequence[int], options: Any) -> str:
+        kernel = [options.FilterHeight(), options.FilterWidth()]
+        pads = self.padding(options.Padding(), self.shape(inputs[0])[1:3], kernel, options)
+        strides = [options.StrideH(), options.StrideW()]
+        value = self.get(inputs[0], "nchw")
+        value = self.node("MaxPool", [value], kernel_shape=kernel, strides=strides, pads=pads)
+        return self.activated(value, options.FusedActivationFunction())
+
+    def reduction(self, name: str, inputs: Sequence[int], options: Any) -> str:
+        rank = len(self.shape(inputs[0]))
+        axes = [int(axis) % rank for axis in np.atleast_1d(self.constants[inputs[1]])]
+        value, keep = self.get(inputs[0], "source"), int(options.KeepDims())
+        if name == "MEAN":
+            return self.node("ReduceMean", [value], axes=axes, keepdims=keep)
+        return self.node("ReduceSum", [value, self.weight(np.array(axes, np.int64))], keepdims=keep)
+
+    def strided_slice(self, inputs: Sequence[int], output: int, options: Any) -> str:
+        begin, end, stride = (self.constants[i].astype(np.int64).copy() for i in inputs[1:4])
+        shape = self.shape(inputs[0])
+        for axis in range(len(begin)):
+            if options.BeginMask() >> axis & 1:
+                begin[axis] = 0
+            if options.EndMask() >> axis & 1:
+                end[axis] = shape[axis]
+            if options.ShrinkAxisMask() >> axis & 1:
+                end[axis] = begin[axis] + 1
+        arguments = [self.get(inputs[0], "source")]
+        arguments += [self.weight(a) for a in (begin, end, np.arange(len(begin), dtype=np.int64), stride)]
+        sliced = self.node("Slice", arguments)
+        return self.node("Reshape", [sliced, self.weight(np.array(self.shape(output), np.int64))])
