@@ -1,0 +1,166 @@
+"""Following one face: detect when lost, else look where it was; landmarks, scores, embeddings, head pose, metric mesh."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .detector import Detection, FaceDetector, overlap
+from .geometry import VERTICES, metric_pose, read_geometry
+from .networks import FOLDER, GEOMETRY_FILE, LANDMARKS_FILE, SCORES_FILE, Network, read_checked
+from .points import NET_INPUT
+from .region import Region, eye_line_tilt, region_around
+
+_CROP = 256
+_LEAST_PRESENCE = 0.5
+_LEAST_SIDE, _MOST_SIDE = 16, 16384
+_SAME_FACE = 0.2
+"""Two boxes that overlap more than this (intersection over union) are the same face a moment later."""
+_NET_INPUT = np.array(NET_INPUT)
+
+
+@dataclass(frozen=True)
+class FaceObservation:
+    """What one image shows of one face."""
+
+    landmarks_px: NDArray[np.float64]
+    """[478, 3] x, y in pixels of the image (pixel centres at half integers); z in pixels, grows away from the camera."""
+    presence: float
+    """How sure the landmark network is that it looks at a face, in (0.5, 1]."""
+    scores: NDArray[np.float32]
+    """[52] in the order of ``points.SCORES``, each in [0, 1]."""
+    mixer: NDArray[np.float32]
+    """[64] what the score network knows before it gives scores."""
+    embedding: NDArray[np.float32]
+    """[512] what the landmark network knows before it gives landmarks."""
+    head_pose: NDArray[np.float64]
+    """[4, 4] canonical face to camera, scale included: cm, y up, camera at the origin looking along -z."""
+    metric_mesh: NDArray[np.float64]
+    """[468, 3] landmarks with the head pose taken off: cm, x to the person's left, y up, z out of the face."""
+    metric_irises: NDArray[np.float64]
+    """[10, 3] the same of the irises: centre and four rim points of the right eye, then of the left."""
+    image_size: tuple[int, int]
+    """Width and height in pixels."""
+    sharpness: float
+    """Mean squared Laplacian of the face's crop, in units of grey level (0..1) squared: a blurred face is near 0."""
+    faces: int | None
+    """How many faces the detector saw; None when it did not have to run."""
+
+    @property
+    def box_px(self) -> tuple[float, float, float, float]:
+        """Left, top, right, bottom of the landmarks in pixels."""
+        (left, top), (right, bottom) = self.landmarks_px[:, :2].min(0), self.landmarks_px[:, :2].max(0)
+        return float(left), float(top), float(right), float(bottom)
+
+
+class FaceTracker:
+    """Follows one face from image to image, on one thread. Not for two threads at once."""
+
+    def __init__(self, networks: Path | None = None) -> None:
+        """Opens the networks of a folder (default: the shipped ones). Raises NetworkError when one is not as shipped."""
+        folder = networks or FOLDER
+        self._detect = FaceDetector(folder)
+        self._landmarks = Network(folder, LANDMARKS_FILE, ("landmarks", "presence_logit", "embedding"))
+        self._scores = Network(folder, SCORES_FILE, ("blendshapes", "mixer_embedding"))
+        self._geometry = read_geometry(read_checked(folder, GEOMETRY_FILE))
+        self._region: Region | None = None
+        self._last_box: tuple[float, ...] | None = None
+
+    def track(self, rgb: NDArray[np.uint8]) -> FaceObservation | None:
+        """The followed face in an image [H, W, 3] of RGB bytes; None when there is none.
+
+        A face that is lost is looked for in the same image: first near where it was, else the surest anywhere.
+        Raises ValueError when ``rgb`` is not such an image, or has a side outside 16..16384 pixels.
+        """
+        rgb = _checked(rgb)
+        found = self._look(rgb, self._region, None) if self._region else None
+        if found is None:
+            found = self._find(rgb)
+        if found is None:
+            self._region = None
+            return None
+        self._region = region_around(found.landmarks_px)
+        self._last_box = found.box_px
+        return found
+
+    def detect(self, rgb: NDArray[np.uint8]) -> list[Detection]:
+        """All faces of an image, the surest first, without following any. Raises ValueError like ``track``."""
+        return self._detect(_checked(rgb))
+
+    def lock(self, face: Detection) -> None:
+        """From the next image on, follow this face."""
+        self._region, self._last_box = face.region, face.box_px
+
+    def reset(self) -> None:
+        """Forget the face: the next image is searched as if it were the first."""
+        self._region = self._last_box = None
+
+    def _find(self, rgb: NDArray[np.uint8]) -> FaceObservation | None:
+        """Run the detector and look at what it found: the face that was followed before, then the others."""
+        detections = self._detect(rgb)
+        last = self._last_box
+        if last is not None:
+            detections.sort(key=lambda face: overlap(face.box_px, last) < _SAME_FACE)
+        for face in detections:
+            found = self._look(rgb, face.region, len(detections))
+            if found is not None:
+                return found
+        return None
+
+    def _look(self, rgb: NDArray[np.uint8], region: Region, faces: int | None) -> FaceObservation | None:
+        """Landmarks inside a region and all that follows from them; None when there is no face in it."""
+        crop = region.crop(rgb, _CROP)
+        raw, presence_logit, embedding = self._landmarks((crop.astype(np.float32) * np.float32(1 / 255))[None])
+        presence = 1 / (1 + float(np.exp(-np.clip(presence_logit.item(), -80, 80))))
+        points = raw.reshape(-1, 3).astype(np.float64)
+        if presence < _LEAST_PRESENCE or not np.isfinite(points).all():
+            return None
+        to_image = region.to_image(_CROP)
+        landmarks = np.empty_like(points)
+        landmarks[:, :2] = points[:, :2] @ to_image[:, :2].T + to_image[:, 2]
+        landmarks[:, 2] = points[:, 2] * (region.size / _CROP)
+        scores, mixer = self._scores(_upright(points)[None])
+        height, width = rgb.shape[:2]
+        pose, metric = metric_pose(landmarks, width, height, self._geometry)
+        return FaceObservation(
+            landmarks_px=landmarks,
+            presence=presence,
+            scores=scores.reshape(-1),
+            mixer=mixer.reshape(-1),
+            embedding=embedding.reshape(-1),
+            head_pose=pose,
+            metric_mesh=metric[:VERTICES],
+            metric_irises=metric[VERTICES:],
+            image_size=(width, height),
+            sharpness=_sharpness(crop),
+            faces=faces,
+        )
+
+
+def _upright(points: NDArray[np.float64]) -> NDArray[np.float32]:
+    """[146, 2] the score network's landmarks, the eye line level: its scores move with roll 2.4 times less that way."""
+    tilt = eye_line_tilt(points)
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    centre = _CROP / 2
+    return ((points[_NET_INPUT, :2] - centre) @ turn + centre).astype(np.float32)
+
+
+def _sharpness(crop: NDArray[np.uint8]) -> float:
+    grey = cv2.cvtColor(crop, cv2.COLOR_RGB2GRAY)
+    middle = grey[_CROP // 6 : -_CROP // 6, _CROP // 6 : -_CROP // 6]  # the face without its surroundings
+    laplacian = cv2.Laplacian(middle, cv2.CV_16S)
+    return float(cv2.norm(laplacian, cv2.NORM_L2SQR)) / laplacian.size / 255**2
+
+
+def _checked(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The image as contiguous memory, after making sure that it is one."""
+    if not isinstance(rgb, np.ndarray):
+        raise ValueError(f"an image must be a NumPy array, got {type(rgb).__name__}")
+    if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3:
+        raise ValueError(f"an image must be [height, width, 3] RGB of uint8, got {list(rgb.shape)} of {rgb.dtype}")
+    if not all(_LEAST_SIDE <= side <= _MOST_SIDE for side in rgb.shape[:2]):
+        size = f"{rgb.shape[1]}x{rgb.shape[0]}"
+        raise ValueError(f"an image must be {_LEAST_SIDE} to {_MOST_SIDE} pixels a side, got {size}")
+    return np.ascontiguousarray(rgb)

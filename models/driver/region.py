@@ -1,0 +1,61 @@
+"""The turned square of the image that the landmark network looks at."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .points import LEFT_EYE_OUTER, RIGHT_EYE_OUTER
+
+_MARGIN = 1.5
+"""Side of the square over the extent of the landmarks."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """A square in the image, turned with the head."""
+
+    x: float
+    """Centre, pixels."""
+    y: float
+    """Centre, pixels."""
+    size: float
+    """Side, pixels, > 0."""
+    tilt: float
+    """Angle of the eye line, radians, clockwise on the screen."""
+
+    def to_image(self, side: int) -> NDArray[np.float64]:
+        """[2, 3] affine map from a crop of ``side`` pixels to the image, both with pixel centres at half integers."""
+        scale = self.size / side
+        cosine, sine = scale * np.cos(self.tilt), scale * np.sin(self.tilt)
+        half = side / 2
+        return np.array(
+            [
+                [cosine, -sine, self.x - (cosine - sine) * half],
+                [sine, cosine, self.y - (sine + cosine) * half],
+            ]
+        )
+
+    def crop(self, rgb: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
+        """The square as an upright picture [side, side, 3]; what lies outside the image repeats its border."""
+        matrix = self.to_image(side)
+        matrix[:, 2] += matrix[:, :2] @ [0.5, 0.5] - 0.5  # OpenCV counts from the centre of the first pixel
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        return cv2.warpAffine(rgb, matrix, (side, side), flags=flags, borderMode=cv2.BORDER_REPLICATE)
+
+
+def region_around(landmarks: NDArray[np.float64]) -> Region:
+    """The region for the next frame: a square around landmarks [n, >= 2] in pixels, upright along their eye line."""
+    tilt = eye_line_tilt(landmarks)
+    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    upright = landmarks[:, :2] @ turn
+    low, high = upright.min(0), upright.max(0)
+    x, y = turn @ ((low + high) / 2)
+    return Region(float(x), float(y), float((high - low).max() * _MARGIN), tilt)
+
+
+def eye_line_tilt(landmarks: NDArray[np.float64]) -> float:
+    """Angle, radians, of the line through the outer eye corners."""
+    x, y = landmarks[LEFT_EYE_OUTER, :2] - landmarks[RIGHT_EYE_OUTER, :2]
+    return float(np.arctan2(y, x))
