@@ -1,4 +1,4 @@
-"""Following one face: detect when lost, else look where it was; landmarks, scores, embeddings, head pose, metric mesh."""
+"""Following one face: detect it when lost, else look where it was; landmarks, scores, head pose, metric mesh."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +26,7 @@ class FaceObservation:
     """What one image shows of one face."""
 
     landmarks_px: NDArray[np.float64]
-    """[478, 3] x, y in pixels of the image (pixel centres at half integers); z in pixels, grows away from the camera."""
+    """[478, 3] x, y in pixels of the image (pixel centres at half integers); z in pixels, grows away."""
     presence: float
     """How sure the landmark network is that it looks at a face, in (0.5, 1]."""
     scores: NDArray[np.float32]
@@ -59,7 +59,7 @@ class FaceTracker:
     """Follows one face from image to image, on one thread. Not for two threads at once."""
 
     def __init__(self, networks: Path | None = None) -> None:
-        """Opens the networks of a folder (default: the shipped ones). Raises NetworkError when one is not as shipped."""
+        """Opens the networks of a folder (default: the shipped ones). Raises NetworkError when one is another."""
         folder = networks or FOLDER
         self._detect = FaceDetector(folder)
         self._landmarks = Network(folder, LANDMARKS_FILE, ("landmarks", "presence_logit", "embedding"))

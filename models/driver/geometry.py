@@ -51,8 +51,9 @@ def read_geometry(content: bytes) -> FaceGeometry:
 
 
 def weighted_similarity(source: Floats, target: Floats, weights: Floats) -> Floats:
-    """The similarity [4, 4] (rotation, one scale, translation) that takes ``source`` [n, 3] nearest to ``target`` [n, 3]
-    in the sense of weighted least squares: the WEOP solution of Akca, "Generalized Procrustes analysis" (2003), 2.2.
+    """The similarity [4, 4] (rotation, one scale, translation) from ``source`` [n, 3] to ``target`` [n, 3].
+
+    It is nearest in the sense of weighted least squares: Akca, "Generalized Procrustes analysis" (2003), section 2.2.
     """
     share = (weights / weights.sum())[:, None]
     source_centre, target_centre = (source * share).sum(0), (target * share).sum(0)

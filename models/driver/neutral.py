@@ -1,0 +1,148 @@
+"""Choosing the frame in which a person's face is at rest: what it shows there is subtracted from every other frame."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .face import FaceObservation
+from .features import BLOCKS, LIVE_SCORES, feature_vector, head_rotation
+from .measures import MEASURES
+
+CANDIDATES = 6
+_NEIGHBOURS = 2
+"""The neutral's features are the median over this many frames before and behind the chosen one: less noise."""
+_LIKE_THE_BEST = 0.15
+"""Neighbours join when their cost is at most this much higher."""
+_EXPRESSIONS = (
+    *("jawOpen", "mouthSmileLeft", "mouthSmileRight", "mouthPucker", "mouthFunnel", "browInnerUp", "browDownLeft"),
+    *("browDownRight", "mouthPressLeft", "mouthPressRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthLeft"),
+    *("mouthRight", "jawLeft", "jawRight"),
+)
+_WORDS = {
+    "turned": "the head is turned",
+    "open_mouth": "the mouth is open",
+    "closed_eyes": "the eyes are not fully open",
+    "expression": "the face has an expression",
+    "unusual": "the face is not as in most of the clip",
+    "blurred": "the picture is blurred",
+}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One frame and what speaks against it."""
+
+    index: int
+    """Position in the sequence of observations."""
+    time: float
+    """Seconds."""
+    cost: float
+    """Sum of the penalties; 0 is a perfect neutral, above 1 something is wrong."""
+    penalties: dict[str, float]
+    """Penalty by its name (turned, open_mouth, closed_eyes, expression, unusual, blurred), each >= 0."""
+
+
+@dataclass(frozen=True)
+class NeutralChoice:
+    """The neutral of a clip, why it is the one, and what else could be."""
+
+    index: int
+    """Position in the sequence of observations."""
+    time: float
+    """Seconds."""
+    features: NDArray[np.float32]
+    """[D] the neutral's feature vector."""
+    rotation: NDArray[np.float64]
+    """[3] the neutral's head rotation, as from ``features.head_rotation``."""
+    reason: str
+    """Why this frame, in words."""
+    candidates: tuple[Candidate, ...]
+    """At most six, the best first, spread over the clip; the first is the chosen one."""
+
+
+def choose_neutral(observations: Sequence[FaceObservation | None], times: Sequence[float]) -> NeutralChoice:
+    """The frame that is frontal, mouth closed, eyes open, without expression, like most of the clip, and sharp.
+
+    Args:
+        observations: one per sampled frame, None where no face was seen.
+        times: their times in seconds.
+
+    Raises:
+        ValueError: when no frame shows a face, or the lengths differ.
+    """
+    if len(observations) != len(times):
+        raise ValueError(f"{len(observations)} observations with {len(times)} times")
+    seen = [(i, face) for i, face in enumerate(observations) if face is not None]
+    if not seen:
+        raise ValueError(f"no face in any of {len(observations)} frames: a neutral needs at least one")
+    features = np.stack([feature_vector(face) for _, face in seen])
+    rotations = np.stack([head_rotation(face) for _, face in seen])
+    sharpness = np.array([face.sharpness for _, face in seen])
+    penalties = _penalties(features, rotations, sharpness)
+    costs = np.sum(list(penalties.values()), axis=0)
+    ranking = [
+        Candidate(seen[i][0], times[seen[i][0]], float(costs[i]), {name: float(p[i]) for name, p in penalties.items()})
+        for i in np.argsort(costs, kind="stable")
+    ]
+    best = int(costs.argmin())
+    group = np.arange(max(0, best - _NEIGHBOURS), min(len(seen), best + _NEIGHBOURS + 1))
+    group = group[costs[group] <= costs[best] + _LIKE_THE_BEST]
+    return NeutralChoice(
+        index=seen[best][0],
+        time=times[seen[best][0]],
+        features=np.median(features[group], axis=0).astype(np.float32),
+        rotation=np.median(rotations[group], axis=0),
+        reason=_reason(ranking[0], rotations[best]),
+        candidates=_spread(ranking, max(times) - min(times)),
+    )
+
+
+def neutral_of(face: FaceObservation, index: int, time: float, reason: str) -> NeutralChoice:
+    """A neutral that somebody chose: a given frame or a picture."""
+    return NeutralChoice(index, time, feature_vector(face), head_rotation(face), reason, ())
+
+
+def _penalties(
+    features: NDArray[np.float32], rotations: NDArray[np.float64], sharpness: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
+    """Penalty by name, each [frames] >= 0 and about 1 where the frame is clearly unfit."""
+    measures = features[:, BLOCKS["measures"]]
+    expressions = features[:, BLOCKS["scores"]][:, [LIVE_SCORES.index(name) for name in _EXPRESSIONS]]
+    lip_gap = measures[:, MEASURES.index("lip_gap")]
+    lid_gap = measures[:, [MEASURES.index("right_lid_gap"), MEASURES.index("left_lid_gap")]].min(1)
+    open_lids = np.quantile(lid_gap, 0.7)
+    spread = np.median(np.abs(measures - np.median(measures, axis=0)), axis=0) + 0.02
+    unusual = (np.abs(measures - np.median(measures, axis=0)) / spread).mean(1)
+    degrees = np.degrees(np.abs(rotations))
+    return {
+        "turned": (np.maximum(degrees - 4, 0) * [1, 1, 0.7]).sum(1) / 15,
+        "open_mouth": np.maximum(lip_gap - 0.15, 0) / 0.5,
+        "closed_eyes": np.maximum(0.92 - lid_gap / max(open_lids, 1e-3), 0) / 0.3,
+        "expression": np.maximum(expressions - np.quantile(expressions, 0.1, axis=0), 0).sum(1) / 1.5,
+        "unusual": np.maximum(unusual - 1, 0) / 10,
+        "blurred": np.maximum(np.log(np.median(sharpness) + 1e-9) - np.log(sharpness + 1e-9) - 0.2, 0),
+    }
+
+
+def _reason(chosen: Candidate, rotation: NDArray[np.float64]) -> str:
+    pitch, yaw, roll = np.degrees(rotation)
+    words = (
+        f"frame {chosen.index} at {chosen.time:.2f} s: head turned {yaw:+.0f}, nodded {pitch:+.0f}, tilted {roll:+.0f}"
+    )
+    against = [_WORDS[name] for name, penalty in chosen.penalties.items() if penalty > 0.35]
+    if not against:
+        return f"{words} degrees; mouth closed, eyes open, face at rest, sharp"
+    return f"{words} degrees; the best there is, but {' and '.join(against)}"
+
+
+def _spread(ranking: Sequence[Candidate], duration: float) -> tuple[Candidate, ...]:
+    """The best of the ranking that are not almost the same moment."""
+    apart, chosen = duration / (3 * CANDIDATES), []
+    for candidate in ranking:
+        if all(abs(candidate.time - other.time) >= apart for other in chosen):
+            chosen.append(candidate)
+        if len(chosen) == CANDIDATES:
+            break
+    return tuple(chosen)

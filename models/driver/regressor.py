@@ -1,0 +1,75 @@
+"""Relative features and head rotation to coefficients: the small network that an avatar's file carries."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .features import FEATURES
+from .networks import NetworkError, open_session
+from .onnx_guard import check_graph
+
+FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "features", "rotation", "coefficients"
+"""The graph's inputs [1, D] and [1, 3] and its output [1, coefficients], all float32."""
+MAX_BYTES = 32 * 2**20
+"""A larger graph is refused unread: 50 PCA components and three layers of 256 need 1 MB."""
+
+
+class RegressorError(ValueError):
+    """A regressor that is not one, is not safe to run, or was trained for something else."""
+
+
+class Regressor:
+    """One avatar's regressor. Remembers its last good answer, so one per driven face."""
+
+    def __init__(self, graph: bytes, coefficients: int | None = None) -> None:
+        """Opens an ONNX graph that came with an avatar.
+
+        The graph is looked through before any of it runs: its size, its operators (arithmetic only), no data outside,
+        and the names, types and shapes of its inputs and its output, which must have ``coefficients`` values where
+        given. The clamp to +-3 sigma is part of the graph.
+
+        Raises:
+            RegressorError: saying what is wrong with it.
+        """
+        if len(graph) > MAX_BYTES:
+            raise RegressorError(f"a regressor of {len(graph) / 2**20:.0f} MB is refused: the limit is 32 MB")
+        try:
+            check_graph(graph)
+            self._session = open_session(graph, "the avatar's regressor")
+        except (ValueError, NetworkError) as error:
+            raise RegressorError(f"the avatar's regressor cannot be used: {error}") from error
+        inputs = {i.name: (i.shape, i.type) for i in self._session.get_inputs()}
+        wanted = {FEATURES_INPUT: ([1, FEATURES], "tensor(float)"), ROTATION_INPUT: ([1, 3], "tensor(float)")}
+        if inputs != wanted:
+            raise RegressorError(
+                f"the avatar's regressor takes {inputs}, this version gives {wanted}: train it again"
+                " (gemheads train-regressor)"
+            )
+        outputs = {o.name: (o.shape, o.type) for o in self._session.get_outputs()}
+        shape, kind = outputs.get(OUTPUT, ([], ""))
+        fixed = len(shape) == 2 and shape[0] == 1 and isinstance(shape[1], int) and shape[1] > 0
+        if len(outputs) != 1 or kind != "tensor(float)" or not fixed:
+            raise RegressorError(f"the avatar's regressor gives {outputs} instead of one {OUTPUT} [1, n]")
+        if coefficients is not None and shape[1] != coefficients:
+            raise RegressorError(f"the avatar has {coefficients} coefficients, its regressor gives {shape[1]}")
+        self.coefficients: int = shape[1]
+        """Length of the coefficient vector."""
+        self.failures = 0
+        """How many answers were not finite and were replaced by the last good one."""
+        self._last = np.zeros(self.coefficients, np.float32)
+
+    def __call__(self, relative_features: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+        """The coefficients [coefficients] for relative features r [D] and the head's rotation from its neutral [3].
+
+        A NaN or infinity anywhere gives the last good answer again (at first zeros) and is counted.
+        """
+        values = {
+            FEATURES_INPUT: np.asarray(relative_features, np.float32).reshape(1, FEATURES),
+            ROTATION_INPUT: np.asarray(rotation, np.float32).reshape(1, 3),
+        }
+        answer = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
+        given = all(np.isfinite(value).all() for value in values.values())  # a clamp in the graph may hide a NaN
+        if not given or not np.isfinite(answer).all():
+            self.failures += 1
+            return self._last.copy()
+        self._last = answer
+        return answer.copy()
