@@ -4,11 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arkit
-from .features import BLOCKS, LIVE_SCORES
+from .features import SCORE_NAMES, SCORES
 
 GAIN = 1.15
 """Scores of a full expression stay a little under one."""
-_TARGET = np.array([arkit.NAMES.index(name) for name in LIVE_SCORES])
+_TARGET = np.array([arkit.NAMES.index(name) for name in SCORE_NAMES])
 
 
 def baseline_weights(relative_features: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -17,5 +17,5 @@ def baseline_weights(relative_features: NDArray[np.floating]) -> NDArray[np.floa
     The shapes without a live score stay 0. Feed ``Gem.arkit_coefficients`` with them.
     """
     weights = np.zeros((*relative_features.shape[:-1], len(arkit.NAMES)), np.float32)
-    weights[..., _TARGET] = np.clip(GAIN * relative_features[..., BLOCKS["scores"]], 0, 1)
+    weights[..., _TARGET] = np.clip(GAIN * relative_features[..., SCORES], 0, 1)
     return weights

@@ -27,9 +27,9 @@ _WEIGHTS = (
 _MESH_POINTS = np.array([point for group, _ in _WEIGHTS for point in group])
 _MESH_WEIGHTS = np.concatenate([np.full(len(group), weight) for group, weight in _WEIGHTS])[:, None]
 
-LIVE_SCORES = tuple(name for name in points.SCORES if name not in points.DEAD_SCORES)
+SCORE_NAMES = tuple(name for name in points.SCORES if name not in points.DEAD_SCORES)
 """Order of the block of scores."""
-_LIVE = np.array([points.SCORES.index(name) for name in LIVE_SCORES])
+_LIVE = np.array([points.SCORES.index(name) for name in SCORE_NAMES])
 
 
 def _laid_out(**sizes: int) -> dict[str, slice]:
@@ -38,17 +38,19 @@ def _laid_out(**sizes: int) -> dict[str, slice]:
 
 
 BLOCKS = _laid_out(
-    mesh=3 * len(_MESH_POINTS), gaze=len(GAZE), measures=len(MEASURES), scores=len(LIVE_SCORES), mixer=64
+    mesh=3 * len(_MESH_POINTS), gaze=len(GAZE), measures=len(MEASURES), scores=len(SCORE_NAMES), mixer=64
 )
 """Block -> its part of the vector. mesh: weighted x, y, z in cm, point by point; gaze: radians, order of ``gaze.GAZE``;
-measures: cm, order of ``measures.MEASURES``; scores: [0, 1], order of LIVE_SCORES; mixer: the network's own units."""
-FEATURES = BLOCKS["mixer"].stop
+measures: cm, order of ``measures.MEASURES``; scores: [0, 1], order of SCORE_NAMES; mixer: the network's own units."""
+DIMENSION = BLOCKS["mixer"].stop
 """D, the length of a feature vector."""
+SCORES = BLOCKS["scores"]
+"""Where the scores are, in the order of SCORE_NAMES."""
 
 
 def feature_vector(face: FaceObservation) -> NDArray[np.float32]:
     """f [D]: the blocks of BLOCKS one behind the other."""
-    features = np.empty(FEATURES, np.float32)
+    features = np.empty(DIMENSION, np.float32)
     features[BLOCKS["mesh"]] = (face.metric_mesh[_MESH_POINTS] * _MESH_WEIGHTS).ravel()
     features[BLOCKS["gaze"]] = eye_gaze(face.metric_mesh, face.metric_irises)
     features[BLOCKS["measures"]] = measure(face.metric_mesh)
@@ -59,9 +61,9 @@ def feature_vector(face: FaceObservation) -> NDArray[np.float32]:
 
 def score(features: NDArray[np.floating], name: str) -> NDArray[np.floating]:
     """One live score (or relative score) [...] by its name out of feature vectors [..., D]. KeyError if dead."""
-    if name not in LIVE_SCORES:
+    if name not in SCORE_NAMES:
         raise KeyError(f"no live score is called {name!r}")
-    return features[..., BLOCKS["scores"].start + LIVE_SCORES.index(name)]
+    return features[..., SCORES.start + SCORE_NAMES.index(name)]
 
 
 def head_rotation(face: FaceObservation) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .face import FaceObservation
-from .features import BLOCKS, LIVE_SCORES, feature_vector, head_rotation
+from .features import BLOCKS, SCORE_NAMES, SCORES, feature_vector, head_rotation
 from .measures import MEASURES
 
 CANDIDATES = 6
@@ -109,7 +109,7 @@ def _penalties(
 ) -> dict[str, NDArray[np.float64]]:
     """Penalty by name, each [frames] >= 0 and about 1 where the frame is clearly unfit."""
     measures = features[:, BLOCKS["measures"]]
-    expressions = features[:, BLOCKS["scores"]][:, [LIVE_SCORES.index(name) for name in _EXPRESSIONS]]
+    expressions = features[:, SCORES][:, [SCORE_NAMES.index(name) for name in _EXPRESSIONS]]
     lip_gap = measures[:, MEASURES.index("lip_gap")]
     lid_gap = measures[:, [MEASURES.index("right_lid_gap"), MEASURES.index("left_lid_gap")]].min(1)
     open_lids = np.quantile(lid_gap, 0.7)

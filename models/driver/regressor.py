@@ -3,12 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .features import FEATURES
+from .features import DIMENSION, FEATURE_VERSION
 from .networks import NetworkError, open_session
 from .onnx_guard import check_graph
 
-FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "features", "rotation", "coefficients"
+FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "relative_features", "head_rotation", "coefficients"
 """The graph's inputs [1, D] and [1, 3] and its output [1, coefficients], all float32."""
+VERSION_KEY = "feature_version"
+"""Key of the graph's metadata under which training writes FEATURE_VERSION."""
 MAX_BYTES = 32 * 2**20
 """A larger graph is refused unread: 50 PCA components and three layers of 256 need 1 MB."""
 
@@ -38,11 +40,17 @@ class Regressor:
         except (ValueError, NetworkError) as error:
             raise RegressorError(f"the avatar's regressor cannot be used: {error}") from error
         inputs = {i.name: (i.shape, i.type) for i in self._session.get_inputs()}
-        wanted = {FEATURES_INPUT: ([1, FEATURES], "tensor(float)"), ROTATION_INPUT: ([1, 3], "tensor(float)")}
+        wanted = {FEATURES_INPUT: ([1, DIMENSION], "tensor(float)"), ROTATION_INPUT: ([1, 3], "tensor(float)")}
         if inputs != wanted:
             raise RegressorError(
                 f"the avatar's regressor takes {inputs}, this version gives {wanted}: train it again"
                 " (gemheads train-regressor)"
+            )
+        made_for = self._session.get_modelmeta().custom_metadata_map.get(VERSION_KEY, str(FEATURE_VERSION))
+        if made_for != str(FEATURE_VERSION):
+            raise RegressorError(
+                f"the avatar's regressor was trained on features of version {made_for[:20]}, this is version"
+                f" {FEATURE_VERSION}: train it again (gemheads train-regressor)"
             )
         outputs = {o.name: (o.shape, o.type) for o in self._session.get_outputs()}
         shape, kind = outputs.get(OUTPUT, ([], ""))
@@ -63,7 +71,7 @@ class Regressor:
         A NaN or infinity anywhere gives the last good answer again (at first zeros) and is counted.
         """
         values = {
-            FEATURES_INPUT: np.asarray(relative_features, np.float32).reshape(1, FEATURES),
+            FEATURES_INPUT: np.asarray(relative_features, np.float32).reshape(1, DIMENSION),
             ROTATION_INPUT: np.asarray(rotation, np.float32).reshape(1, 3),
         }
         answer = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
