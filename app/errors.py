@@ -1,0 +1,45 @@
+"""What can go wrong in a command, as exit codes and one kind of exception; every text says what, where and the cure."""
+
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """What the shell sees; docs/commands.md explains each to its reader."""
+
+    OK = 0
+    UNEXPECTED = 1
+    USAGE = 2
+    INPUT = 3
+    NO_FACE = 4
+    OUTPUT = 5
+    INTERRUPTED = 130
+
+
+class CommandError(Exception):
+    """A failure the person can mend: printed as one plain line, never as a traceback."""
+
+    code = ExitCode.UNEXPECTED
+
+
+class UsageError(CommandError):
+    """The command line asks for something that cannot be."""
+
+    code = ExitCode.USAGE
+
+
+class InputError(CommandError):
+    """A file that was given is missing, broken, or of the wrong kind."""
+
+    code = ExitCode.INPUT
+
+
+class NoFaceError(CommandError):
+    """The driver was read, and nobody is in it."""
+
+    code = ExitCode.NO_FACE
+
+
+class OutputError(CommandError):
+    """The result could not be written: no permission, no space, no encoder."""
+
+    code = ExitCode.OUTPUT

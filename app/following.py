@@ -1,0 +1,105 @@
+"""Following one face: who it is, what it does relative to its neutral, smoothed; what ``live.drive`` is made of."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.driver.face import FaceObservation, FaceTracker
+from ..models.driver.features import feature_vector, head_rotation, relative_rotation
+from ..models.driver.neutral import NeutralChoice
+from ..models.driver.smoothing import OneEuro, Smoothed, step
+from ..models.gem import Gem
+from .frames import Frame
+from .state import HOLD_SECS, Attention
+
+Floats = NDArray[np.floating]
+Express = Callable[[Floats, Floats], Floats]
+"""Relative features [D] and relative head rotation [3] to coefficients."""
+
+EXPRESSION_FILTER = OneEuro(min_cutoff_hz=3.0, beta=1.0)
+"""On coefficients in units of their sigma: still faces do not tremble, a blink is through in two frames."""
+TURN_FILTER = OneEuro(min_cutoff_hz=2.0, beta=6.0)
+"""On the head's rotation in radians."""
+SAME_FACE_SHIFT = 0.8
+"""A face whose middle moved by more than this part of its size between two frames is somebody else."""
+AT_LIMIT = 0.98 * 3.0
+"""Coefficients beyond this many sigma count as clamped."""
+TURNED_DEG = (30.0, 45.0)
+"""Between these turns of the head the expression fades, because the tracker sees less and less of the face ..."""
+TURNED_GAIN = 0.5
+"""... to this part of it."""
+FACES_EVERY_SECS = 0.5
+"""How often the faces in the picture are counted."""
+
+
+@dataclass(frozen=True)
+class Actor:
+    """What drives: the same for every frame of a clip."""
+
+    tracker: FaceTracker
+    neutral: NeutralChoice
+    express: Express
+    gem: Gem
+    lids: Floats
+    """[coefficients] what closes the lids, for idle blinks."""
+    head_pose: bool = True
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What one frame leaves to the next."""
+
+    attention: Attention = Attention()
+    seconds: float | None = None
+    thumbnail: NDArray[np.float32] | None = None
+    box: tuple[float, float, float, float] | None = None
+    """Left, top, right, bottom of the followed face when it was last seen, pixels."""
+    expression: Smoothed | None = None
+    """Coefficients away from the rest expression, in units of sigma."""
+    turn: Smoothed | None = None
+    """Rotation of the head from its neutral."""
+    clamped: float = 0.0
+    faces: int = 0
+    counted_at: float = -FACES_EVERY_SECS
+    idle_since: float = 0.0
+
+
+def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Memory:
+    """The face's features, relative to the neutral, through the regressor and the filters."""
+    relative = feature_vector(face) - actor.neutral.features
+    turn = relative_rotation(head_rotation(face), actor.neutral.rotation)
+    coefficients = actor.express(relative, turn)
+    sigmas = (coefficients - actor.gem.rest_coefficients) / actor.gem.sigma
+    memory = replace(memory, box=face.box_px)
+    if not (np.isfinite(sigmas).all() and np.isfinite(turn).all()):
+        return memory  # the last good ones stay
+    return replace(
+        memory,
+        expression=step(EXPRESSION_FILTER, memory.expression, sigmas, dt),
+        turn=step(TURN_FILTER, memory.turn, turn, dt),
+        clamped=float((np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma).mean()),
+    )
+
+
+def is_another(face: FaceObservation, memory: Memory) -> bool:
+    """Whether the tracker, having lost the locked face, found somebody else: who waits until the first one is given up."""
+    if memory.box is None or memory.attention.missing_secs >= HOLD_SECS:
+        return False
+    (left, top, right, bottom), (left0, top0, right0, bottom0) = face.box_px, memory.box
+    shift = np.hypot(left + right - left0 - right0, top + bottom - top0 - bottom0) / 2
+    return bool(shift > SAME_FACE_SHIFT * max(right0 - left0, bottom0 - top0))
+
+
+def count_faces(actor: Actor, memory: Memory, frame: Frame) -> Memory:
+    """How many faces the picture shows, looked up now and then."""
+    if frame.seconds < memory.counted_at + FACES_EVERY_SECS:
+        return memory
+    return replace(memory, faces=max(1, len(actor.tracker.detect(frame.rgb))), counted_at=frame.seconds)
+
+
+def turned_gain(turn: Floats) -> float:
+    """1 for a head near its neutral, TURNED_GAIN far to the side or up; leaning (roll) hides nothing."""
+    degrees = float(np.degrees(np.hypot(turn[0], turn[1])))
+    return float(np.interp(degrees, TURNED_DEG, (1.0, TURNED_GAIN)))

@@ -1,0 +1,53 @@
+"""Which avatars there are: those that ship, and those in the user's data folder."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from .errors import InputError
+
+SHIPPED = Path(__file__).resolve().parent.parent / "assets" / "avatars"
+DEMO_CLIP = SHIPPED.parent / "demo" / "driver.mp4"
+SUFFIX = ".gem"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One avatar that can be called by name."""
+
+    name: str
+    path: Path
+    shipped: bool
+
+
+def user_folder() -> Path:
+    """Where a user's own avatars are looked for; it need not exist."""
+    import platformdirs
+
+    return Path(platformdirs.user_data_dir("gemheads", appauthor=False)) / "avatars"
+
+
+def avatars(folders: tuple[tuple[Path, bool], ...] | None = None) -> list[Entry]:
+    """All avatars by name, the user's own before a shipped one of the same name. ``folders`` are (folder, shipped) pairs."""
+    found: dict[str, Entry] = {}
+    for folder, shipped in folders or ((user_folder(), False), (SHIPPED, True)):
+        for file in sorted(folder.glob(f"*{SUFFIX}")) if folder.is_dir() else ():
+            found.setdefault(file.stem, Entry(file.stem, file, shipped))
+    return [found[name] for name in sorted(found)]
+
+
+def find_avatar(wanted: str | None = None, entries: list[Entry] | None = None) -> Path:
+    """The file of an avatar given by name or path; the first shipped one when none is given. Raises InputError."""
+    entries = avatars() if entries is None else entries
+    if wanted is None:
+        shipped = [entry for entry in entries if entry.shipped] or entries
+        if not shipped:
+            raise InputError(f"there is no avatar in {SHIPPED}; run `make avatars`, or give one with --avatar FILE{SUFFIX}")
+        return shipped[0].path
+    for entry in entries:
+        if entry.name == wanted:
+            return entry.path
+    path = Path(wanted)
+    if path.exists():
+        return path
+    names = ", ".join(entry.name for entry in entries) or "none"
+    raise InputError(f"{wanted}: neither an avatar's name (there are: {names}) nor a file; check the spelling or the path")

@@ -1,0 +1,129 @@
+"""THE frame: ``drive`` turns a picture of a person into what the avatar does, ``draw`` turns that into pixels."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.gem import Gem
+from ..models.posing import pose_head
+from ..render.camera import Camera
+from ..render.compositing import over, to_rgba8
+from ..render.engines import Engine
+from . import idle
+from .following import Actor, Memory, count_faces, follow, is_another, turned_gain
+from .frames import Frame, is_cut, thumbnail
+from .performance import Pose
+from .sinks import Sink
+from .state import Phase, update
+from .threads import Behind, ahead
+from .timing import Stopwatch
+
+Image = NDArray[np.uint8]
+NO_SHIFT = np.zeros(3, np.float32)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What draws: the same for every frame of a clip."""
+
+    gem: Gem
+    engine: Engine
+    camera: Camera
+    components: int | None
+    """How many components a modality; None for all."""
+    background: tuple[float, float, float] | None
+    """sRGB in [0, 1]; None keeps the picture transparent."""
+    watch: Stopwatch
+
+
+def drive(actor: Actor, before: Memory, frame: Frame) -> tuple[Memory, Pose]:
+    """One frame: image -> face -> features - neutral -> coefficients; smoothed, held, eased to rest, or idle."""
+    now, view = frame.seconds, thumbnail(frame.rgb)
+    dt = now - before.seconds if before.seconds is not None else 0.0
+    cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
+    if cut:
+        actor.tracker.reset()
+        before = replace(before, box=None, expression=None, turn=None)
+
+    face = actor.tracker.track(frame.rgb)
+    if face is not None and is_another(face, before):
+        face = None
+    attention = update(before.attention, face is not None, dt)
+    memory = replace(before, attention=attention, seconds=now, thumbnail=view)
+    if face is not None:
+        memory = count_faces(actor, follow(actor, memory, face, dt), frame)
+    if attention.phase in (Phase.TRACKING, Phase.HOLD):
+        memory = replace(memory, idle_since=now)
+
+    gain, rest, idle_secs = attention.gain, 1 - attention.gain, now - memory.idle_since
+    expression = rest * idle.lids_closed(idle_secs) * actor.lids
+    turn = rest * idle.breath(idle_secs)
+    if memory.expression is not None and memory.turn is not None:
+        expression = expression + gain * turned_gain(memory.turn.value) * memory.expression.value * actor.gem.sigma
+        turn = turn + gain * memory.turn.value
+    return memory, Pose(
+        coefficients=(actor.gem.rest_coefficients + expression).astype(np.float32),
+        turn=turn.astype(np.float32) if actor.head_pose else NO_SHIFT,
+        phase=attention.phase,
+        faces=memory.faces if face is not None else 0,
+        clamped=memory.clamped if face is not None else 0.0,
+        cut=cut,
+    )
+
+
+def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator[tuple[Frame, Pose]]:
+    """``drive`` over a whole clip."""
+    memory = Memory()
+    for frame in frames:
+        with watch("track"):
+            memory, pose = drive(actor, memory, frame)
+        yield frame, pose
+
+
+def draw(stage: Stage, pose: Pose) -> Image:
+    """One picture of the avatar: compose, turn the head, splat; [H, W, 3] over the background, or [H, W, 4] straight alpha."""
+    gem, watch = stage.gem, stage.watch
+    with watch("compose"):
+        raw = gem.compose(pose.coefficients, stage.components)
+        raw = pose_head(raw, gem.neck_weights, gem.neck_pivot, pose.turn, NO_SHIFT)
+    with watch("draw"):
+        rgba = stage.engine.draw(raw, stage.camera)
+    with watch("over"):
+        return to_rgba8(rgba) if stage.background is None else over(rgba, stage.background)
+
+
+def run_offline(
+    performance: Iterable[tuple[Frame | None, Pose, int]],
+    stage: Stage,
+    finish: Callable[[Image, Frame | None], Image],
+    sink: Sink,
+    tell: Callable[[int, Pose], None],
+) -> None:
+    """Draw a performance into a sink, in order: reading and tracking run ahead in their threads, encoding runs behind.
+
+    Args:
+        performance: frame (None when only a track is played), what the avatar does, presentation time.
+        finish: the last touch on a picture: puts the driver beside it, or nothing.
+        tell: called after each frame with its index.
+
+    Whatever interrupts it (Ctrl-C, a full disk), the sink is closed, so that what was written stays playable.
+    """
+    whole = False
+    writer = Behind(lambda shot: sink.write(*shot))
+    try:
+        for index, (frame, pose, pts) in enumerate(ahead(performance)):
+            picture = NOTHING if sink.has(index) else finish(draw(stage, pose), frame)
+            writer.put((index, picture, pts))
+            tell(index, pose)
+        writer.finish()
+        whole = True
+    finally:
+        if not whole:
+            writer.abandon()
+        sink.close(whole)
+
+
+NOTHING = np.empty((0, 0, 3), np.uint8)
+"""Stands for a picture that is already written."""

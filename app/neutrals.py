@@ -1,0 +1,106 @@
+"""The frame that counts as a driver's face at rest: ``auto``, ``first``, ``frame=N``, ``time=S`` or ``image=PATH``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from ..models.driver.face import FaceObservation, FaceTracker
+from ..models.driver.neutral import NeutralChoice, choose_neutral, neutral_of
+from .errors import InputError, NoFaceError, UsageError
+from .frames import Frame
+from .sources import Source, read_image
+
+SAMPLES = 32
+"""Frames that ``auto`` looks at."""
+
+
+@dataclass(frozen=True)
+class NeutralRule:
+    """How the neutral is to be found."""
+
+    kind: Literal["auto", "first", "frame", "time", "image"]
+    value: str = ""
+
+
+def read_rule(text: str) -> NeutralRule:
+    """The rule behind the word after ``--neutral``. Raises UsageError."""
+    kind, _, value = text.partition("=")
+    if kind in ("auto", "first") and not value:
+        return NeutralRule(kind)  # pyright: ignore[reportArgumentType]
+    if kind == "frame" and value.isdecimal():
+        return NeutralRule("frame", value)
+    if kind == "time" and _seconds(value) is not None:
+        return NeutralRule("time", value)
+    if kind == "image" and value:
+        return NeutralRule("image", value)
+    raise UsageError(
+        f"--neutral {text}: not understood; use auto, first, frame=N (from 0), time=S (seconds) or image=PATH"
+    )
+
+
+def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralChoice:
+    """The neutral of a driver. Leaves the tracker as new.
+
+    Raises NoFaceError when nobody is in the frames that the rule points at, InputError when there is no such frame.
+    """
+    try:
+        if rule.kind == "auto":
+            return _chosen(source, tracker)
+        if rule.kind == "image":
+            face = _look_twice(tracker, Frame(read_image(Path(rule.value)), 0, source.time_base))
+            if face is None:
+                raise NoFaceError(f"{rule.value}: no face in this picture; give one that shows the face from the front")
+            return neutral_of(face, 0, 0.0, f"the picture {rule.value}")
+        return _given(rule, source, tracker)
+    finally:
+        tracker.reset()
+
+
+def _chosen(source: Source, tracker: FaceTracker) -> NeutralChoice:
+    frames = source.samples(SAMPLES)
+    faces = [_look_twice(tracker, frame) for frame in frames]
+    if not any(faces):  # perhaps somebody comes between the samples
+        for frame in source.frames():
+            if (face := tracker.track(frame.rgb)) is not None:
+                return neutral_of(face, 0, frame.seconds, "the only moment with a face among those looked at")
+        raise NoFaceError(
+            f"{source.path}: no face in the whole clip; give one where a face is at least a tenth of the picture's height"
+        )
+    return choose_neutral(faces, [frame.seconds for frame in frames])
+
+
+def _given(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralChoice:
+    """The first face at or after the frame the rule names."""
+    reached = False
+    for index, frame in enumerate(source.frames()):
+        reached = {
+            "first": True,
+            "frame": rule.kind == "frame" and index >= int(rule.value),
+            "time": rule.kind == "time" and frame.seconds >= float(rule.value),
+        }[rule.kind]
+        if not reached:
+            continue
+        face = _look_twice(tracker, frame)
+        if face is not None:
+            return neutral_of(face, index, frame.seconds, f"frame {index} at {frame.seconds:.2f} s, as asked for")
+        if rule.kind != "first":
+            raise NoFaceError(
+                f"{source.path}: no face in frame {index} ({frame.seconds:.2f} s), the neutral asked for;"
+                " choose another, or --neutral auto"
+            )
+    if reached:
+        raise NoFaceError(f"{source.path}: no face in the whole clip; give one that shows a face")
+    raise InputError(f"{source.path}: the clip ends before --neutral {rule.kind}={rule.value}; choose an earlier one")
+
+
+def _look_twice(tracker: FaceTracker, frame: Frame) -> FaceObservation | None:
+    """The second look starts from the landmarks of the first, as in a running video: the same crop, the same features."""
+    return tracker.track(frame.rgb) and tracker.track(frame.rgb)
+
+
+def _seconds(text: str) -> float | None:
+    try:
+        seconds = float(text)
+    except ValueError:
+        return None
+    return seconds if 0 <= seconds < float("inf") else None

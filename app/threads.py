@@ -1,0 +1,87 @@
+"""Stages that overlap in time and keep their order: a producer that works ahead, a consumer that works behind."""
+
+import queue
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Generic, TypeVar
+
+Item = TypeVar("Item")
+_END = object()
+
+
+def ahead(items: Iterable[Item], depth: int = 4) -> Iterator[Item]:
+    """The same items in the same order, produced up to ``depth`` ahead in a thread of their own.
+
+    An exception of the producer is raised where it would have been; a consumer that stops early stops the producer.
+    """
+    box: queue.Queue[Any] = queue.Queue(depth)
+    stopped = threading.Event()
+
+    def offer(item: Any) -> bool:
+        while not stopped.is_set():
+            try:
+                box.put(item, timeout=0.1)
+                return True
+            except queue.Full:
+                continue
+        return False
+
+    def produce() -> None:
+        try:
+            for item in items:
+                if not offer((item, None)):
+                    return
+            offer((_END, None))
+        except BaseException as error:  # handed to the consumer, whatever it is
+            offer((_END, error))
+
+    thread = threading.Thread(target=produce, daemon=True)
+    thread.start()
+    try:
+        while True:
+            item, error = box.get()
+            if error is not None:
+                raise error
+            if item is _END:
+                return
+            yield item
+    finally:
+        stopped.set()
+        thread.join()
+
+
+class Behind(Generic[Item]):
+    """Calls ``consume`` for each item put, in order, in a thread of its own, at most ``depth`` behind."""
+
+    def __init__(self, consume: Callable[[Item], None], depth: int = 4) -> None:
+        self._consume = consume
+        self._box: queue.Queue[Any] = queue.Queue(depth)
+        self._error: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def put(self, item: Item) -> None:
+        """Hand over one item; raises what ``consume`` raised for an earlier one."""
+        if self._error is not None:
+            raise self._error
+        self._box.put(item)
+
+    def finish(self) -> None:
+        """Wait until everything put was consumed; raises what ``consume`` raised."""
+        self.abandon()
+        if self._error is not None:
+            raise self._error
+
+    def abandon(self) -> None:
+        """Wait until everything put was consumed, and say nothing of what went wrong: something else already did."""
+        if self._thread.is_alive():
+            self._box.put(_END)
+            self._thread.join()
+
+    def _run(self) -> None:
+        while (item := self._box.get()) is not _END:
+            if self._error is None:  # after a failure the box is only emptied, so that put never blocks
+                try:
+                    self._consume(item)
+                except BaseException as error:
+                    self._error = error

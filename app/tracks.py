@@ -1,0 +1,116 @@
+"""Coefficient tracks: a performance as one safetensors file, to be played again without its video."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError, OutputError
+from .performance import Pose
+from .state import Phase
+
+FORMAT = "gemheads-track"
+VERSION = 1
+MAX_BYTES = 2**30
+_TENSORS = ("pts", "coefficients", "turn", "phase", "faces", "clamped")
+
+
+@dataclass(frozen=True)
+class Track:
+    """What an avatar does over time."""
+
+    avatar: str
+    avatar_sha256: str
+    """Coefficients mean something only to the file they were made for."""
+    time_base: Fraction
+    rate: Fraction
+    pts: NDArray[np.int64]
+    """[F] presentation times in units of ``time_base``, rising."""
+    poses: tuple[Pose, ...]
+
+    def __iter__(self) -> Iterator[tuple[None, Pose, int]]:
+        for pose, pts in zip(self.poses, self.pts, strict=True):
+            yield None, pose, int(pts)
+
+
+def save_track(track: Track, path: Path) -> None:
+    """Write the track. Raises OutputError."""
+    from safetensors.numpy import save
+
+    tensors = {
+        "pts": track.pts,
+        "coefficients": np.stack([pose.coefficients for pose in track.poses]),
+        "turn": np.stack([pose.turn for pose in track.poses]),
+        "phase": np.array([pose.phase.value for pose in track.poses], np.uint8),
+        "faces": np.array([pose.faces for pose in track.poses], np.uint8),
+        "clamped": np.array([pose.clamped for pose in track.poses], np.float32),
+    }
+    about = {
+        "version": VERSION,
+        "avatar": track.avatar,
+        "avatar_sha256": track.avatar_sha256,
+        "time_base": str(track.time_base),
+        "rate": str(track.rate),
+    }
+    partial = path.with_name(path.name + ".partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_bytes(save(tensors, {FORMAT: json.dumps(about, sort_keys=True)}))
+        partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder and the free space") from error
+
+
+def load_track(path: Path) -> Track:
+    """Read a track. Raises InputError, which says what is wrong, for anything that ``save_track`` did not write."""
+    from safetensors import SafetensorError, safe_open
+
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise InputError(f"{path}: larger than {MAX_BYTES >> 20} MB, which no track is; give a file of `gemheads track`")
+        with safe_open(str(path), framework="numpy") as file:
+            about = json.loads((file.metadata() or {}).get(FORMAT, "null"))
+            tensors = {name: file.get_tensor(name) for name in file.keys()}
+        return _checked(about, tensors)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path") from error
+    except (SafetensorError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
+        raise InputError(f"{path}: not a track ({error}); make one with `gemheads track DRIVER -o FILE`") from error
+
+
+def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
+    if not isinstance(about, dict) or about.get("version") != VERSION:
+        raise ValueError(f"no {FORMAT} of version {VERSION}")
+    if set(tensors) != set(_TENSORS):
+        raise ValueError(f"tensors {sorted(tensors)}, expected {sorted(_TENSORS)}")
+    frames = len(tensors["pts"]) if tensors["pts"].ndim == 1 else 0
+    width = tensors["coefficients"].shape[-1]
+    shapes = {"pts": (), "coefficients": (width,), "turn": (3,), "phase": (), "faces": (), "clamped": ()}
+    kinds = {"pts": np.int64, "coefficients": np.float32, "turn": np.float32, "phase": np.uint8, "faces": np.uint8}
+    for name, values in tensors.items():
+        if values.shape != (frames, *shapes[name]) or values.dtype != kinds.get(name, np.float32):
+            raise ValueError(f"tensor {name} is {values.dtype}{list(values.shape)}")
+        if values.dtype == np.float32 and not np.isfinite(values).all():
+            raise ValueError(f"tensor {name} has values that are not finite")
+    pts = tensors["pts"].astype(np.int64)
+    if frames == 0 or (np.diff(pts) <= 0).any():
+        raise ValueError("no frames, or times that do not rise")
+    time_base, rate = Fraction(about["time_base"]), Fraction(about["rate"])
+    if time_base <= 0 or rate <= 0:
+        raise ValueError("time base and rate must be above 0")
+    poses = tuple(
+        Pose(
+            np.asarray(tensors["coefficients"][i], np.float32),
+            np.asarray(tensors["turn"][i], np.float32),
+            Phase(int(tensors["phase"][i])),
+            int(tensors["faces"][i]),
+            float(tensors["clamped"][i]),
+        )
+        for i in range(frames)
+    )
+    return Track(str(about["avatar"]), str(about["avatar_sha256"]), time_base, rate, pts, poses)

@@ -1,0 +1,138 @@
+"""Reading a video file: upright frames with the file's own timestamps."""
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+from .frames import Frame
+
+LONGEST_SIDE = 1920
+"""Larger pictures are scaled down while they are converted: the face networks look at crops of 256 pixels."""
+WHOLE_CLIP_FRAMES = 1500
+"""Up to this many frames, sampling decodes everything; beyond, it seeks."""
+FEWEST_SAMPLES = 12
+
+
+class VideoFile:
+    """A video stream of a file. Raises InputError when the file is missing, empty, not a video, or cannot be read."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with _opened(path) as container:
+            stream = _video_stream(container, path)
+            self.time_base: Fraction = stream.time_base or Fraction(1, 1000)
+            self.rate = Fraction(stream.average_rate or stream.guessed_rate or 30)
+            self.frame_count: int | None = _expected_frames(stream, self.rate)
+            self.has_audio = bool(container.streams.audio)
+        first = next(self.frames())
+        self.size = (first.rgb.shape[1], first.rgb.shape[0])
+
+    def frames(self) -> Iterator[Frame]:
+        """All frames in order of presentation. Damaged packets are passed over. Raises InputError when no frame can be had."""
+        last: int | None = None
+        with _opened(self.path) as container:
+            stream = _video_stream(container, self.path)
+            stream.thread_type = "AUTO"
+            for picture in _decoded(container, stream):
+                frame = self._frame(picture, last)
+                # Encoders need rising timestamps; a repeated one is the same instant and cannot be shown twice.
+                if last is None or frame.pts > last:
+                    last = frame.pts
+                    yield frame
+        if last is None:
+            raise InputError(f"{self.path}: the clip holds no picture (zero length?); give a video with at least one frame")
+
+    def samples(self, count: int) -> list[Frame]:
+        """Up to ``count`` frames spread over the clip: of long clips the key frames, which can be reached without decoding."""
+        if self.frame_count is None or self.frame_count > WHOLE_CLIP_FRAMES:
+            found = self._key_frames(count)
+            if len(found) >= min(FEWEST_SAMPLES, count):
+                return found
+        return self._evenly(count)
+
+    def _evenly(self, count: int) -> list[Frame]:
+        """By decoding from the beginning, converting only what is kept."""
+        step = max(1, min(self.frame_count or WHOLE_CLIP_FRAMES, WHOLE_CLIP_FRAMES) // count)
+        frames: list[Frame] = []
+        with _opened(self.path) as container:
+            stream = _video_stream(container, self.path)
+            stream.thread_type = "AUTO"
+            for index, picture in enumerate(_decoded(container, stream)):
+                if index % step == 0:
+                    frames.append(self._frame(picture, frames[-1].pts if frames else None))
+                    if len(frames) == count:
+                        break
+        return frames
+
+    def _key_frames(self, count: int) -> list[Frame]:
+        found: dict[int, Frame] = {}
+        with _opened(self.path) as container:
+            stream = _video_stream(container, self.path)
+            if not stream.duration:
+                return []
+            start = stream.start_time or 0
+            for target in np.linspace(start, start + stream.duration, count, endpoint=False):
+                try:
+                    container.seek(int(target), stream=stream)
+                    picture = next(_decoded(container, stream), None)
+                except av.error.FFmpegError:
+                    return []  # a file that cannot be sought is decoded from its beginning instead
+                if picture is not None and picture.pts is not None and picture.pts not in found:
+                    found[picture.pts] = self._frame(picture, None)
+        return [found[pts] for pts in sorted(found)]
+
+    def _frame(self, picture: av.VideoFrame, last: int | None) -> Frame:
+        pts = picture.pts
+        if pts is None:  # raw streams carry no time
+            tick = max(1, round(1 / (self.rate * self.time_base)))
+            pts = 0 if last is None else last + tick
+        return Frame(_upright_rgb(picture), pts, self.time_base)
+
+
+def _opened(path: Path) -> Any:
+    try:
+        if path.stat().st_size == 0:
+            raise InputError(f"{path}: the file is empty (0 bytes); copy it again")
+        return av.open(str(path))
+    except av.error.FFmpegError as error:
+        raise InputError(f"{path}: not a video that can be read ({error.strerror}); give mp4, mov, mkv or webm") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be opened ({error.strerror}); check the path and its permissions") from error
+
+
+def _video_stream(container: Any, path: Path) -> Any:
+    attached = getattr(av.stream.Disposition, "attached_pic", 0)
+    for stream in container.streams.video:
+        if not stream.disposition & attached:
+            return stream
+    raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
+
+
+def _expected_frames(stream: Any, rate: Fraction) -> int | None:
+    """By duration where it is known: the stream's own count includes what an edit list cuts away."""
+    return round(stream.duration * stream.time_base * rate) if stream.duration else stream.frames or None
+
+
+def _decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
+    """The stream's pictures; a packet that cannot be decoded is passed over, the next ones still count."""
+    for packet in container.demux(stream):
+        try:
+            yield from packet.decode()
+        except av.error.InvalidDataError:
+            continue
+
+
+def _upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
+    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix (phones film sideways and say so in the file)."""
+    scale = min(1.0, LONGEST_SIDE / max(picture.width, picture.height))
+    if scale < 1:
+        picture = picture.reformat(max(1, round(picture.width * scale)), max(1, round(picture.height * scale)), "rgb24")
+    rgb = picture.to_ndarray(format="rgb24")
+    quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
+    return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb
