@@ -14,7 +14,7 @@ from .protobuf import fields, message
 Floats = NDArray[np.float64]
 
 VERTICES = 468
-FIELD_OF_VIEW_DEG = 63.0
+FIELD_OF_VIEW_DEG = 20.0
 """Vertical field of view of the camera that is assumed, for drivers and renders alike."""
 _NEAR_CM = 1.0
 _TOWARDS_VIEWER = np.array([1.0, 1.0, -1.0])
