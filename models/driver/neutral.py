@@ -122,7 +122,7 @@ def _penalties(
         "closed_eyes": np.maximum(0.92 - lid_gap / max(open_lids, 1e-3), 0) / 0.3,
         "expression": np.maximum(expressions - np.quantile(expressions, 0.1, axis=0), 0).sum(1) / 1.5,
         "unusual": np.maximum(unusual - 1, 0) / 10,
-        "blurred": np.maximum(np.log(np.median(sharpness) + 1e-9) - np.log(sharpness + 1e-9) - 0.2, 0),
+        "blurred": np.maximum(np.log(np.quantile(sharpness, 0.7) + 1e-9) - np.log(sharpness + 1e-9) - 0.2, 0),
     }
 
 

@@ -1,0 +1,111 @@
+"""Following a face through real pictures."""
+
+import numpy as np
+import pytest
+from gemheads.models.driver import points
+from gemheads.models.driver.detector import overlap
+from gemheads.models.driver.face import FaceObservation, FaceTracker
+from gemheads.models.driver.features import head_rotation
+from numpy.typing import NDArray
+
+Frames = list[NDArray[np.uint8]]
+
+
+def seen(face: FaceObservation | None) -> FaceObservation:
+    assert face is not None
+    return face
+
+
+def test_a_face_is_followed_and_the_detector_rests(tracker: FaceTracker, frames: Frames) -> None:
+    faces = [seen(tracker.track(frame)) for frame in frames[:12]]
+    assert [face.faces for face in faces] == [1] + [None] * 11
+    for face, frame in zip(faces, frames, strict=False):
+        assert face.presence > 0.9
+        assert face.image_size == (frame.shape[1], frame.shape[0])
+        assert face.scores.shape == (52,)
+        assert ((face.scores >= 0) & (face.scores <= 1)).all()
+        assert face.landmarks_px.shape == (478, 3)
+        assert face.metric_irises.shape == (10, 3)
+        assert np.isfinite(face.metric_mesh).all()
+        left, top, right, bottom = face.box_px
+        assert 0 < left < right < frame.shape[1]
+        assert 0 < top < bottom < frame.shape[0] * 1.05
+
+
+def test_the_same_pictures_give_the_same_numbers(frames: Frames) -> None:
+    runs = [
+        [seen(tracker.track(frame)).landmarks_px for frame in frames[:3]] for tracker in (FaceTracker(), FaceTracker())
+    ]
+    np.testing.assert_array_equal(runs[0], runs[1])
+
+
+def test_nobody_is_none_and_the_face_comes_back(tracker: FaceTracker, frames: Frames) -> None:
+    assert seen(tracker.track(frames[0])).faces == 1
+    assert tracker.track(np.full_like(frames[0], 127)) is None
+    assert tracker.track(np.random.default_rng(0).integers(0, 255, frames[0].shape, np.uint8)) is None
+    assert seen(tracker.track(frames[1])).faces == 1
+
+
+def test_a_face_that_jumps_is_found_in_the_same_picture(tracker: FaceTracker, frames: Frames) -> None:
+    frame = frames[0]
+    tracker.track(frame)
+    moved = np.concatenate([np.zeros_like(frame), frame], axis=1)
+    face = seen(tracker.track(moved))
+    assert face.faces == 1
+    assert face.box_px[0] > frame.shape[1]
+
+
+def test_one_of_two_faces_is_locked_and_found_again(tracker: FaceTracker, frames: Frames) -> None:
+    both = np.concatenate([frames[0], frames[0][:, ::-1]], axis=1)
+    detections = sorted(tracker.detect(both), key=lambda face: face.box_px[0])
+    assert len(detections) == 2
+    for chosen in detections:
+        tracker.lock(chosen)
+        assert overlap(seen(tracker.track(both)).box_px, chosen.box_px) > 0.3
+        assert tracker.track(np.zeros_like(both)) is None
+        again = seen(tracker.track(both))
+        assert again.faces == 2
+        assert overlap(again.box_px, chosen.box_px) > 0.3
+
+
+def test_a_mirrored_face_swaps_left_and_right(frames: Frames) -> None:
+    frame = frames[len(frames) // 2]
+    plain, mirrored = (seen(FaceTracker().track(np.ascontiguousarray(f))) for f in (frame, frame[:, ::-1]))
+    swapped = [points.SCORES.index(_other_side(name)) for name in points.SCORES]
+    assert np.abs(plain.scores - mirrored.scores[swapped]).mean() < 0.04
+    (pitch, yaw, roll), flipped = head_rotation(plain), head_rotation(mirrored)
+    np.testing.assert_allclose([pitch, -yaw, -roll], flipped, atol=np.radians(3))
+
+
+def test_scores_do_not_mind_a_tilted_camera(frames: Frames) -> None:
+    quarter = [seen(FaceTracker().track(np.ascontiguousarray(np.rot90(frames[0], k)))) for k in (0, 1)]
+    assert np.abs(quarter[0].scores - quarter[1].scores).mean() < 0.03
+    roll = head_rotation(quarter[1])[2] - head_rotation(quarter[0])[2]
+    assert np.degrees(roll) == pytest.approx(90, abs=5)
+
+
+@pytest.mark.parametrize(
+    ("image", "said"),
+    [
+        (np.zeros((64, 64), np.uint8), r"\[64, 64\] of uint8"),
+        (np.zeros((64, 64, 4), np.uint8), r"\[64, 64, 4\]"),
+        (np.zeros((64, 64, 3), np.float32), "float32"),
+        (np.zeros((8, 64, 3), np.uint8), "64x8"),
+        (np.zeros((0, 0, 3), np.uint8), "0x0"),
+        ([[1, 2, 3]], "list"),
+    ],
+)
+def test_what_is_no_image_is_refused(tracker: FaceTracker, image: object, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        tracker.track(image)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_view_of_an_image_is_an_image(tracker: FaceTracker, frames: Frames) -> None:
+    flipped_twice = frames[0][:, ::-1].copy()[:, ::-1]
+    assert not flipped_twice.flags.c_contiguous
+    assert tracker.track(flipped_twice) is not None
+
+
+def _other_side(name: str) -> str:
+    swaps = {"Left": "Right", "Right": "Left"}
+    return next((name.removesuffix(side) + other for side, other in swaps.items() if name.endswith(side)), name)

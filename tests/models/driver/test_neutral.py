@@ -1,0 +1,92 @@
+"""The neutral is the frame at rest, and the reason says so."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from gemheads.models.driver.face import FaceObservation, FaceTracker
+from gemheads.models.driver.features import feature_vector
+from gemheads.models.driver.neutral import CANDIDATES, choose_neutral, neutral_of
+from gemheads.models.driver.points import SCORES
+from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
+from numpy.typing import NDArray
+
+
+def turned(face: FaceObservation, yaw_deg: float) -> FaceObservation:
+    pose = face.head_pose.copy()
+    pose[:3, :3] = matrix_from_wxyz(wxyz_from_rotvec(np.radians([0, yaw_deg, 0])))
+    return replace(face, head_pose=pose)
+
+
+def scoring(face: FaceObservation, name: str, value: float) -> FaceObservation:
+    scores = face.scores.copy()
+    scores[SCORES.index(name)] = value
+    return replace(face, scores=scores)
+
+
+def open_mouthed(face: FaceObservation) -> FaceObservation:
+    mesh = face.metric_mesh.copy()
+    mesh[[14, 17], 1] -= 1.5
+    return replace(face, metric_mesh=mesh)
+
+
+def blinking(face: FaceObservation) -> FaceObservation:
+    mesh = face.metric_mesh.copy()
+    mesh[[159, 158, 160, 386, 385, 387]] = mesh[[145, 153, 144, 374, 380, 373]]
+    return replace(face, metric_mesh=mesh)
+
+
+SPOILED = {
+    "turned": lambda face: turned(face, 25),
+    "expression": lambda face: scoring(face, "mouthSmileLeft", 0.9),
+    "open_mouth": open_mouthed,
+    "closed_eyes": blinking,
+    "blurred": lambda face: replace(face, sharpness=0.002),
+}
+
+
+@pytest.mark.parametrize("flaw", SPOILED)
+def test_a_frame_with_a_flaw_is_passed_over(still_face: FaceObservation, flaw: str) -> None:
+    observations = [SPOILED[flaw](still_face)] * 3 + [None] + [still_face] * 7 + [SPOILED[flaw](still_face)] * 2
+    choice = choose_neutral(observations, [i / 30 for i in range(len(observations))])
+    assert 4 <= choice.index <= 10
+    assert choice.candidates[0].index == choice.index
+    assert "at rest" in choice.reason
+    assert f"frame {choice.index}" in choice.reason
+    np.testing.assert_allclose(choice.features, feature_vector(still_face), atol=1e-6)
+    worst = choose_neutral([SPOILED[flaw](still_face), *observations[4:11]], [0.0] + [i / 30 for i in range(1, 8)])
+    assert worst.index != 0
+
+
+def test_when_all_frames_are_turned_the_reason_says_it(still_face: FaceObservation) -> None:
+    choice = choose_neutral([turned(still_face, yaw) for yaw in (40, 28, 33)], [0.0, 1.0, 2.0])
+    assert choice.index == 1
+    assert "the head is turned" in choice.reason
+
+
+def test_the_neutral_is_a_median_of_calm_neighbours(still_face: FaceObservation) -> None:
+    rng = np.random.default_rng(0)
+    noisy = [replace(still_face, metric_mesh=still_face.metric_mesh + rng.normal(0, 0.02, (468, 3))) for _ in range(9)]
+    choice = choose_neutral(noisy, [i / 30 for i in range(9)])
+    clean = feature_vector(still_face)
+    alone = np.mean([np.abs(feature_vector(face) - clean).mean() for face in noisy])
+    assert np.abs(choice.features - clean).mean() < 0.8 * alone
+
+
+def test_nobody_gives_no_neutral() -> None:
+    with pytest.raises(ValueError, match="no face in any of 3 frames"):
+        choose_neutral([None] * 3, [0.0, 1.0, 2.0])
+    with pytest.raises(ValueError, match="0 observations with 1 times"):
+        choose_neutral([], [0.0])
+
+
+def test_a_given_neutral_keeps_its_reason(still_face: FaceObservation) -> None:
+    choice = neutral_of(still_face, 4, 0.2, "frame 4, as asked")
+    assert (choice.index, choice.reason, choice.candidates) == (4, "frame 4, as asked", ())
+
+
+def test_a_real_clip_has_six_candidates_at_most(tracker: FaceTracker, frames: list[NDArray[np.uint8]]) -> None:
+    observations = [tracker.track(frame) for frame in frames]
+    choice = choose_neutral(observations, [i / 24 for i in range(len(frames))])
+    assert 1 <= len(choice.candidates) <= CANDIDATES
+    assert list(choice.candidates) == sorted(choice.candidates, key=lambda candidate: candidate.cost)
