@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from ..models.posing import pose_head
 from ..render.camera import Camera
 from ..render.compositing import over, to_rgba8
 from ..render.engines import Engine
+from ..render.gaussians import RawGaussians
 from . import idle
 from .following import Actor, Memory, count_faces, follow, is_another, turned_gain
 from .frames import Frame, is_cut, thumbnail
@@ -31,11 +33,21 @@ class Stage:
     gem: Gem
     engine: Engine
     camera: Camera
-    components: int | None
-    """How many components a modality; None for all."""
     background: tuple[float, float, float] | None
     """sRGB in [0, 1]; None keeps the picture transparent."""
     watch: Stopwatch
+    components: int | None = None
+    """How many components a modality; None for all."""
+
+    @cached_property
+    def splats(self) -> RawGaussians:
+        """Composed splats, overwritten by every frame."""
+        return self.gem.compose(self.gem.rest_coefficients, self.components)
+
+    @cached_property
+    def posed(self) -> RawGaussians:
+        """The same with the head turned, overwritten by every frame."""
+        return pose_head(self.splats, self.gem.neck_weights, self.gem.neck_pivot, NO_SHIFT, NO_SHIFT)
 
 
 def drive(actor: Actor, before: Memory, frame: Frame) -> tuple[Memory, Pose]:
@@ -73,23 +85,23 @@ def drive(actor: Actor, before: Memory, frame: Frame) -> tuple[Memory, Pose]:
     )
 
 
-def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator[tuple[Frame, Pose]]:
-    """``drive`` over a whole clip."""
+def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator[tuple[Frame, Pose, int]]:
+    """``drive`` over a whole clip: each frame, what the avatar does, and when (PTS)."""
     memory = Memory()
     for frame in frames:
         with watch("track"):
             memory, pose = drive(actor, memory, frame)
-        yield frame, pose
+        yield frame, pose, frame.pts
 
 
 def draw(stage: Stage, pose: Pose) -> Image:
     """One picture of the avatar: compose, turn the head, splat; [H, W, 3] over the background, or [H, W, 4] straight alpha."""
     gem, watch = stage.gem, stage.watch
     with watch("compose"):
-        raw = gem.compose(pose.coefficients, stage.components)
-        raw = pose_head(raw, gem.neck_weights, gem.neck_pivot, pose.turn, NO_SHIFT)
+        splats = gem.compose(pose.coefficients, stage.components, out=stage.splats)
+        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, NO_SHIFT, out=stage.posed)
     with watch("draw"):
-        rgba = stage.engine.draw(raw, stage.camera)
+        rgba = stage.engine.draw(splats, stage.camera)
     with watch("over"):
         return to_rgba8(rgba) if stage.background is None else over(rgba, stage.background)
 

@@ -1,0 +1,70 @@
+"""Who plays: an avatar's file opened and joined with what drives it."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ..models import arkit
+from ..models.driver.baseline import baseline_weights
+from ..models.driver.regressor import Regressor, RegressorError
+from ..models.gem import Gem
+from ..models.gemfile import GemFormatError, load_gem
+from .errors import InputError, UsageError
+from .following import Express, Floats
+
+Driving = Literal["learned", "baseline"]
+
+
+@dataclass(frozen=True)
+class Avatar:
+    """An opened avatar file."""
+
+    gem: Gem
+    path: Path
+    sha256: str
+
+    @property
+    def lids(self) -> Floats:
+        """[coefficients] what closes both lids; zeros where the avatar does not know."""
+        if self.gem.arkit_weights is None:
+            return np.zeros_like(self.gem.rest_coefficients)
+        return sum(self.gem.arkit_weights[arkit.NAMES.index(f"eyeBlink{side}")] for side in ("Left", "Right"))
+
+
+def open_avatar(path: Path) -> Avatar:
+    """Open a .gem file. Raises InputError with the reason when it is not one."""
+    try:
+        data_hash = hashlib.sha256(path.read_bytes()).hexdigest()
+        return Avatar(load_gem(path), path, data_hash)
+    except GemFormatError as error:
+        raise InputError(str(error)) from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from error
+
+
+def check_components(avatar: Avatar, components: int | None) -> None:
+    """Raises UsageError when the avatar stores fewer components than asked for."""
+    stored = avatar.gem.components
+    if components is not None and not 1 <= components <= stored:
+        raise UsageError(f"--components {components}: {avatar.path} stores {stored}; choose from 1 to {stored}")
+
+
+def expression_of(avatar: Avatar, driving: Driving) -> Express:
+    """What turns relative features and rotation into this avatar's coefficients. Raises InputError when it has none."""
+    gem = avatar.gem
+    if driving == "baseline":
+        if gem.arkit_weights is None:
+            raise InputError(f"{avatar.path}: knows no ARKit shapes, which --driver baseline needs; use --driver learned")
+        return lambda features, turn: gem.clamped(gem.arkit_coefficients(baseline_weights(features)))
+    if gem.regressor is None:
+        raise InputError(
+            f"{avatar.path}: has no regressor, so nothing turns a face into its expressions;"
+            f" train one with `gemheads train-regressor {avatar.path}`, or use --driver baseline"
+        )
+    try:
+        return Regressor(gem.regressor, gem.coefficient_count)
+    except RegressorError as error:
+        raise InputError(f"{avatar.path}: {error}") from error

@@ -1,0 +1,239 @@
+"""Reenactment: drivers in, one acting avatar out for each."""
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Literal
+
+from ..models.driver.face import FaceTracker
+from ..render.engines import Engine, open_engine
+from .beside import beside_width, side_by_side
+from .casting import Avatar, Driving, check_components, expression_of, open_avatar
+from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError
+from .following import Actor
+from .frames import Frame
+from .live import Image, Stage, perform, run_offline
+from .neutrals import NeutralRule, find_neutral
+from .outputs import is_video, plan_outputs
+from .performance import Pose
+from .portrait import portrait
+from .progress import ProgressBar
+from .reports import Outcome, Tally, write_report
+from .sinks import FolderSink, Sink, VideoSink, is_whole, video_codec
+from .sources import Source, open_source
+from .threads import ahead
+from .timing import Stopwatch
+from .tracks import Track, load_track
+from .video import VideoFile
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What the command line asks for; the same for every driver."""
+
+    avatar: Path
+    components: int | None = None
+    size: tuple[int, int] = (512, 512)
+    neutral: NeutralRule = NeutralRule("auto")
+    side_by_side: bool = False
+    background: tuple[float, float, float] | None = (0.75, 0.75, 0.75)
+    head_pose: bool = True
+    resume: bool = False
+    engine: Literal["auto", "quads", "software"] = "auto"
+    driving: Driving = "learned"
+    rate: Fraction = Fraction(30)
+    """Frames per second of drivers that are pictures."""
+    track: Path | None = None
+    """Play this performance instead of following a face."""
+
+
+@dataclass(frozen=True)
+class Cast:
+    """What is opened once for all drivers."""
+
+    avatar: Avatar
+    tracker: FaceTracker | None
+    engine: Engine
+    track: Track | None
+
+
+def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None, quiet: bool = False) -> ExitCode:
+    """Play every driver into its result and say how it went; one failure does not stop the others.
+
+    Returns the exit code: OK, INTERRUPTED, or that of the first driver that failed. Raises CommandError for what concerns
+    them all: the avatar, the track, the way the results are named.
+    """
+    started = time.perf_counter()
+    if not drivers and wish.track is None:
+        raise UsageError("no driver given; name a video, a folder of pictures, or --track FILE")
+    jobs = plan_outputs(drivers or [str(wish.track)], out, wish.background is None)
+    for _, result in jobs:
+        if is_video(result):
+            video_codec(result.suffix.lower(), wish.background is None)
+    outcomes: list[Outcome] = []
+    code = ExitCode.OK
+    with ProgressBar(quiet) as bar:
+        cast = _opened(wish, bool(drivers))
+        try:
+            for driver, result in jobs:
+                outcome, failed = _outcome_of(driver if drivers else None, result, cast, wish, bar, started)
+                outcomes.append(outcome)
+                bar.say(f"error: {outcome.message}" if failed else outcome.message)
+                code = code or failed
+                started = time.perf_counter()
+                if failed is ExitCode.INTERRUPTED:
+                    code = failed
+                    break
+        finally:
+            cast.engine.close()
+    if report:
+        write_report(report, _settings(wish, cast), outcomes)
+    return code
+
+
+def _opened(wish: Wish, followed: bool) -> Cast:
+    avatar = open_avatar(wish.avatar)
+    check_components(avatar, wish.components)
+    track = load_track(wish.track) if wish.track else None
+    if track and track.avatar_sha256 != avatar.sha256:
+        raise InputError(
+            f"{wish.track}: was made for {track.avatar}, not for {avatar.path}; give --avatar {track.avatar} or track again"
+        )
+    if track is None:
+        expression_of(avatar, wish.driving)  # fails now rather than after the tracker and the engine have started
+    tracker = FaceTracker() if followed and track is None else None
+    return Cast(avatar, tracker, open_engine(wish.engine), track)
+
+
+def _outcome_of(
+    driver: str | None, result: Path, cast: Cast, wish: Wish, bar: ProgressBar, started: float
+) -> tuple[Outcome, ExitCode]:
+    """One driver's run, whatever happens in it."""
+    outcome = Outcome(driver or str(wish.track), str(result), "failed")
+    if wish.resume and is_whole(result):
+        return replace(outcome, status="kept", message=f"{result}: already done"), ExitCode.OK
+    run = _Run(cast, wish, result, bar, started)
+    status, code = "failed", ExitCode.OK
+    try:
+        run.play(driver)
+        status = "done"
+        message = f"{result}: {run.tally.frames} frames in {run.seconds:.1f} s ({run.rate:.0f} frames/s)"
+    except KeyboardInterrupt:
+        status, code = "interrupted", ExitCode.INTERRUPTED
+        message = f"{run.left or result}: stopped after {run.tally.frames} frames; what is there can be played"
+    except CommandError as error:
+        message, code = str(error), error.code
+    return (
+        replace(
+            outcome,
+            status=status,
+            tally=run.tally,
+            message=message,
+            neutral=run.neutral,
+            stages_ms=run.watch.mean_ms(),
+            seconds=round(run.seconds, 3),
+            first_frame_seconds=round(run.first_frame_secs, 3),
+        ),
+        code,
+    )
+
+
+class _Run:
+    """One driver into one result."""
+
+    def __init__(self, cast: Cast, wish: Wish, result: Path, bar: ProgressBar, started: float) -> None:
+        self._cast, self._wish, self._result, self._bar, self._started = cast, wish, result, bar, started
+        self.tally = Tally()
+        self.watch = Stopwatch()
+        self.neutral: dict[str, Any] = {}
+        self.first_frame_secs = self.seconds = 0.0
+        self.left: Path | None = None
+        """The unfinished result, where one was begun."""
+
+    @property
+    def rate(self) -> float:
+        """Frames per second, from the first to the last."""
+        return self.tally.frames / max(1e-9, self.seconds - self.first_frame_secs)
+
+    def play(self, driver: str | None) -> None:
+        """Everything from opening the driver to the finished file. Raises CommandError, KeyboardInterrupt."""
+        cast, wish = self._cast, self._wish
+        source = open_source(driver, wish.rate) if driver else None
+        performance = self._performance(source)
+        timing = cast.track or source
+        assert timing is not None
+        width, height = wish.size
+        extra = beside_width(source.size, height) if source and wish.side_by_side else 0
+        gem = cast.avatar.gem
+        stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
+        sink = self._sink((width + extra, height), timing.time_base, timing.rate, source)
+        self.left = sink.partial
+        total = len(cast.track.pts) if cast.track else source and source.frame_count
+        self._bar.begin(self._result.name, total)
+
+        def finish(picture: Image, frame: Frame | None) -> Image:
+            return side_by_side(frame.rgb, picture, extra) if extra and frame else picture
+
+        try:
+            run_offline(performance, stage, finish, sink, self._tell)
+        finally:
+            self.seconds = time.perf_counter() - self._started
+        if cast.track is None and self.tally.without_face == self.tally.frames:
+            raise NoFaceError(f"{driver}: no face in any frame, so {self._result} only shows the avatar at rest; check the clip")
+
+    def _performance(self, source: Source | None) -> Iterable[tuple[Frame | None, Pose, int]]:
+        if self._cast.track is not None:
+            return self._cast.track if source is None else _paired(self._cast.track, source)
+        assert source is not None and self._cast.tracker is not None
+        with self.watch("neutral"):
+            neutral = find_neutral(self._wish.neutral, source, self._cast.tracker)
+        self.neutral = {
+            "rule": self._wish.neutral.kind,
+            "seconds": round(neutral.time, 3),
+            "why": neutral.reason,
+            "others_seconds": [round(candidate.time, 3) for candidate in neutral.candidates[1:]],
+        }
+        avatar = self._cast.avatar
+        actor = Actor(
+            tracker=self._cast.tracker,
+            neutral=neutral,
+            express=expression_of(avatar, self._wish.driving),
+            gem=avatar.gem,
+            lids=avatar.lids,
+            head_pose=self._wish.head_pose,
+        )
+        return perform(actor, ahead(source.frames()), self.watch)
+
+    def _sink(self, size: tuple[int, int], time_base: Fraction, rate: Fraction, source: Source | None) -> Sink:
+        transparent = self._wish.background is None
+        if not is_video(self._result):
+            return FolderSink(self._result, time_base, self._wish.resume)
+        audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
+        return VideoSink(self._result, size, time_base, rate, transparent, audio)
+
+    def _tell(self, index: int, pose: Pose) -> None:
+        if index == 0:
+            self.first_frame_secs = time.perf_counter() - self._started
+        self.tally.add(pose)
+        self._bar.advance()
+
+
+def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
+    """A track with the frames it was made from, for their sound and for side by side."""
+    frames = ahead(source.frames())
+    for (_, pose, pts), frame in zip(track, frames, strict=False):
+        if frame.pts * source.time_base != pts * track.time_base:
+            raise InputError(f"{source.path}: its times are not those of the track; give the video that was tracked")
+        yield frame, pose, pts
+
+
+def _settings(wish: Wish, cast: Cast) -> dict[str, Any]:
+    return {
+        "avatar": {"file": str(wish.avatar), "name": cast.avatar.gem.name, "sha256": cast.avatar.sha256},
+        "components": wish.components or cast.avatar.gem.components,
+        "size": f"{wish.size[0]}x{wish.size[1]}",
+        "driving": "track" if wish.track else wish.driving,
+        "engine": {"asked": wish.engine, "used": cast.engine.name, "description": cast.engine.description},
+    }
