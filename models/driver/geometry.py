@@ -15,7 +15,13 @@ Floats = NDArray[np.float64]
 
 VERTICES = 468
 FIELD_OF_VIEW_DEG = 20.0
-"""Vertical field of view of the camera that is assumed, for drivers and renders alike."""
+"""Vertical field of view of the camera that is assumed, for drivers and renders alike.
+
+MediaPipe assumes 63. The landmark network's depth is nearly that of a parallel projection, so a narrow camera fits it
+better: on six clips of people, distances between points of bone vary 4 to 33 % less than at 63 (best near 20), and on
+rendered heads turned by known angles the pitch that is found grows from .76 to .88 of the true one, while brows move
+half as much with the pose.
+"""
 _NEAR_CM = 1.0
 _TOWARDS_VIEWER = np.array([1.0, 1.0, -1.0])
 """Landmark depth grows away from the camera, the metric frame looks along -z."""
@@ -29,6 +35,8 @@ class FaceGeometry:
     """[468, 3] cm."""
     weights: Floats
     """[468] >= 0, zero for all but the 33 points that Procrustes looks at."""
+    basis: NDArray[np.intp]
+    """[33] which those are."""
 
 
 def read_geometry(content: bytes) -> FaceGeometry:
@@ -47,7 +55,7 @@ def read_geometry(content: bytes) -> FaceGeometry:
     flat = np.concatenate(vertex_buffer) if vertex_buffer else np.zeros(0, np.float32)
     if flat.size != VERTICES * 5 or not np.isfinite(flat).all() or not (weights > 0).any():
         raise ValueError(f"face geometry: {flat.size} vertex values instead of {VERTICES * 5}, or no basis")
-    return FaceGeometry(flat.reshape(VERTICES, 5)[:, :3].astype(np.float64), weights)
+    return FaceGeometry(flat.reshape(VERTICES, 5)[:, :3].astype(np.float64), weights, np.flatnonzero(weights))
 
 
 def weighted_similarity(source: Floats, target: Floats, weights: Floats) -> Floats:
@@ -93,7 +101,8 @@ def metric_pose(landmarks_px: Floats, width: int, height: int, geometry: FaceGeo
         return points * _TOWARDS_VIEWER
 
     def fitted(points: Floats) -> Floats:
-        return weighted_similarity(geometry.vertices, points[:VERTICES], geometry.weights)
+        basis = geometry.basis
+        return weighted_similarity(geometry.vertices[basis], points[basis], geometry.weights[basis])
 
     first = np.linalg.norm(fitted(screen * _TOWARDS_VIEWER)[:3, 0])
     second = np.linalg.norm(fitted(unprojected(float(first)))[:3, 0])

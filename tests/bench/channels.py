@@ -41,8 +41,8 @@ LANDMARK_CHANNELS = (
     Channel("mouth width", 0.01),
     Channel("lid gap", 0.004),
     Channel("brow height", 0.005),
-    Channel("iris horizontal", 0.01),
-    Channel("iris vertical", 0.008),
+    Channel("iris horizontal", 0.005),
+    Channel("iris vertical", 0.004),
 )
 CHANNELS = SCORE_CHANNELS + LANDMARK_CHANNELS
 
