@@ -1,0 +1,285 @@
+"""The picture without a GPU: a fused tile rasteriser on all cores, of the same picture as the other engines."""
+
+import time
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import Camera
+from .gaussians import RawGaussians
+from .projection import (
+    ALPHA_MAX,
+    ALPHA_MIN,
+    DILATION,
+    LOG_SCALE_MAX,
+    LOG_SCALE_MIN,
+    NEAR,
+    POSITION_MAX,
+    TRANSMITTANCE_MIN,
+)
+
+TILE = 16
+_F = np.float32
+_LOG2_E = _F(1.4426950408889634)
+_EXP2_LEAST = 20
+_EXP2 = (2.0 ** np.arange(-_EXP2_LEAST, 2)).astype(np.float32)
+_STRIDE = 7919
+_STOP_EVERY = 32
+"""After so many splats a tile asks whether light still gets through."""
+
+
+class SoftwareEngine:
+    """Draws splats by numba kernels. One per thread; its buffers grow to the largest frame and stay."""
+
+    name = "software"
+
+    def __init__(self) -> None:
+        self.description = f"numba tiles on {numba.get_num_threads()} threads"
+        self.timings: dict[str, float] = {}
+        """Stage -> seconds of the last frame: project, sort, draw."""
+        self._records = np.empty((0, 8), np.float32)
+        self._spans = np.empty((0, 4), np.int32)
+        self._depths = np.empty(0, np.float32)
+        self._orders = np.empty((2, 0), np.int32)
+        self._pairs = np.empty(0, np.int32)
+        self._image = np.empty((0, 0, 4), np.float32)
+
+    def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
+        """The picture [H, W, 4], premultiplied sRGB-encoded RGBA in [0, 1] on transparent ground.
+
+        The array belongs to the engine and is overwritten by the next frame. Splats that are not finite or absurdly
+        large are left out, as are those nearer than ``projection.NEAR``.
+        """
+        started = time.perf_counter()
+        self._fit(len(raw), camera)
+        matrix = camera.world_to_camera.astype(np.float32)
+        lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float32)
+        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
+        _project(*splats, matrix, lens, self._records, self._spans, self._depths)
+        projected = time.perf_counter()
+        visible = _front_to_back(self._depths, self._orders)
+        sorted_ = time.perf_counter()
+        columns, rows = -(-camera.width // TILE), -(-camera.height // TILE)
+        ends = np.zeros(columns * rows + 1, np.int64)
+        _count(self._orders[0], visible, self._spans, columns, ends)
+        np.cumsum(ends, out=ends)
+        if ends[-1] > len(self._pairs):
+            self._pairs = np.empty(int(ends[-1] * 1.3), np.int32)
+        _fill(self._orders[0], visible, self._spans, columns, ends, self._pairs)
+        _rasterise(self._pairs, ends, self._records, raw.colors, columns, rows, self._image)
+        drawn = time.perf_counter()
+        self.timings = {"project": projected - started, "sort": sorted_ - projected, "draw": drawn - sorted_}
+        return self._image
+
+    def close(self) -> None:
+        """Nothing to give back; every engine has it."""
+
+    def _fit(self, splats: int, camera: Camera) -> None:
+        if len(self._depths) != splats:
+            self._records = np.empty((splats, 8), np.float32)
+            self._spans = np.empty((splats, 4), np.int32)
+            self._depths = np.empty(splats, np.float32)
+            self._orders = np.empty((2, splats), np.int32)
+        if self._image.shape[:2] != (camera.height, camera.width):
+            self._image = np.empty((camera.height, camera.width, 4), np.float32)
+
+
+@numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
+def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, depths):
+    """Activation and EWA projection. A record: centre x y, conic a b c in units of log2,
+    opacity, half box x y. A span: first and last column and row of tiles. Depth 0 is out."""
+    fx, fy, cx, cy, width, height = lens[0], lens[1], lens[2], lens[3], lens[4], lens[5]
+    for i in numba.prange(len(positions)):
+        depths[i] = 0
+        px, py, pz = positions[i, 0], positions[i, 1], positions[i, 2]
+        # comparisons with NaN are false, so that these refuse it
+        if not (abs(px) <= POSITION_MAX and abs(py) <= POSITION_MAX and abs(pz) <= POSITION_MAX):
+            continue
+        l0, l1, l2 = log_scales[i, 0], log_scales[i, 1], log_scales[i, 2]
+        if not (min(l0, min(l1, l2)) >= LOG_SCALE_MIN and max(l0, max(l1, l2)) <= LOG_SCALE_MAX):
+            continue
+        qw, qx, qy, qz, logit = wxyz[i, 0], wxyz[i, 1], wxyz[i, 2], wxyz[i, 3], logits[i]
+        length = qw * qw + qx * qx + qy * qy + qz * qz
+        if not (length >= 0 and length < np.inf and abs(logit) < np.inf):
+            continue
+        x = matrix[0, 0] * px + matrix[0, 1] * py + matrix[0, 2] * pz + matrix[0, 3]
+        y = matrix[1, 0] * px + matrix[1, 1] * py + matrix[1, 2] * pz + matrix[1, 3]
+        z = matrix[2, 0] * px + matrix[2, 1] * py + matrix[2, 2] * pz + matrix[2, 3]
+        if z < NEAR:
+            continue
+        opacity = _F(1) / (_F(1) + np.exp(-logit))
+        if opacity < ALPHA_MIN:
+            continue
+        if length < 1e-24:
+            qw, qx, qy, qz = _F(1), _F(0), _F(0), _F(0)
+        else:
+            scale = _F(1) / np.sqrt(length)
+            qw, qx, qy, qz = qw * scale, qx * scale, qy * scale, qz * scale
+        s0, s1, s2 = np.exp(l0), np.exp(l1), np.exp(l2)
+        # columns of R S
+        m00, m10, m20 = s0 * (1 - 2 * (qy * qy + qz * qz)), s0 * 2 * (qx * qy + qw * qz), s0 * 2 * (qx * qz - qw * qy)
+        m01, m11, m21 = s1 * 2 * (qx * qy - qw * qz), s1 * (1 - 2 * (qx * qx + qz * qz)), s1 * 2 * (qy * qz + qw * qx)
+        m02, m12, m22 = s2 * 2 * (qx * qz + qw * qy), s2 * 2 * (qy * qz - qw * qx), s2 * (1 - 2 * (qx * qx + qy * qy))
+        # rows of J W, the Jacobian of the projection times the camera's rotation
+        inv = _F(1) / z
+        jx, jy, ju, jv = fx * inv, fy * inv, -fx * x * inv * inv, -fy * y * inv * inv
+        t00, t01, t02 = (
+            jx * matrix[0, 0] + ju * matrix[2, 0],
+            jx * matrix[0, 1] + ju * matrix[2, 1],
+            jx * matrix[0, 2] + ju * matrix[2, 2],
+        )
+        t10, t11, t12 = (
+            jy * matrix[1, 0] + jv * matrix[2, 0],
+            jy * matrix[1, 1] + jv * matrix[2, 1],
+            jy * matrix[1, 2] + jv * matrix[2, 2],
+        )
+        u0, u1, u2 = (
+            t00 * m00 + t01 * m10 + t02 * m20,
+            t00 * m01 + t01 * m11 + t02 * m21,
+            t00 * m02 + t01 * m12 + t02 * m22,
+        )
+        v0, v1, v2 = (
+            t10 * m00 + t11 * m10 + t12 * m20,
+            t10 * m01 + t11 * m11 + t12 * m21,
+            t10 * m02 + t11 * m12 + t12 * m22,
+        )
+        a, b, c = (
+            u0 * u0 + u1 * u1 + u2 * u2 + DILATION,
+            u0 * v0 + u1 * v1 + u2 * v2,
+            v0 * v0 + v1 * v1 + v2 * v2 + DILATION,
+        )
+        # a c - b^2 without its cancellation: the minors of the projected axes, and what the dilation adds
+        minors = (u0 * v1 - u1 * v0) ** 2 + (u0 * v2 - u2 * v0) ** 2 + (u1 * v2 - u2 * v1) ** 2
+        det = minors + DILATION * (a + c - DILATION)
+        if not (det > 0 and det < np.inf):
+            continue
+        centre_x, centre_y = fx * x * inv + cx, fy * y * inv + cy
+        reach = np.sqrt(2 * np.log(opacity / ALPHA_MIN))
+        half_x, half_y = reach * np.sqrt(a), reach * np.sqrt(c)
+        if not (
+            centre_x + half_x > 0 and centre_x - half_x < width and centre_y + half_y > 0 and centre_y - half_y < height
+        ):
+            continue
+        r = records[i]
+        r[0], r[1] = centre_x, centre_y
+        r[2], r[3], r[4] = -_F(0.5) * _LOG2_E * c / det, _LOG2_E * b / det, -_F(0.5) * _LOG2_E * a / det
+        r[5], r[6], r[7] = opacity, half_x, half_y
+        spans[i, 0] = int(max(centre_x - half_x, _F(0)) / TILE)
+        spans[i, 1] = int(min(centre_x + half_x, width - 1) / TILE)
+        spans[i, 2] = int(max(centre_y - half_y, _F(0)) / TILE)
+        spans[i, 3] = int(min(centre_y + half_y, height - 1) / TILE)
+        depths[i] = z
+
+
+@numba.njit(cache=True)
+def _front_to_back(depths, orders):
+    """Writes the indices of splats with depth > 0, near to far, into orders[0]; returns how many. Exact and stable: two
+    16-bit radix passes over the bits, since positive floats sort like their bits."""
+    keys = depths.view(np.uint32)
+    first, second = orders[0], orders[1]
+    low, high = np.zeros(65537, np.int64), np.zeros(65537, np.int64)
+    visible = 0
+    for i in range(len(keys)):
+        if depths[i] > 0:
+            low[(keys[i] & 0xFFFF) + 1] += 1
+            high[(keys[i] >> 16) + 1] += 1
+            visible += 1
+    for k in range(65536):
+        low[k + 1] += low[k]
+        high[k + 1] += high[k]
+    for i in range(len(keys)):
+        if depths[i] > 0:
+            key = keys[i] & 0xFFFF
+            second[low[key]] = i
+            low[key] += 1
+    for j in range(visible):
+        key = keys[second[j]] >> 16
+        first[high[key]] = second[j]
+        high[key] += 1
+    return visible
+
+
+@numba.njit(cache=True)
+def _count(order, visible, spans, columns, ends):
+    for j in range(visible):
+        left, right, top, bottom = spans[order[j]]
+        for row in range(top, bottom + 1):
+            for column in range(left, right + 1):
+                ends[row * columns + column + 1] += 1
+
+
+@numba.njit(cache=True)
+def _fill(order, visible, spans, columns, ends, pairs):
+    place = ends[:-1].copy()
+    for j in range(visible):
+        left, right, top, bottom = spans[order[j]]
+        for row in range(top, bottom + 1):
+            for column in range(left, right + 1):
+                tile = row * columns + column
+                pairs[place[tile]] = order[j]
+                place[tile] += 1
+
+
+@numba.njit(cache=True, parallel=True, fastmath=True, error_model="numpy")
+def _rasterise(pairs, ends, records, colors, columns, rows, image):
+    height, width = image.shape[:2]
+    tiles = columns * rows
+    for turn in numba.prange(tiles):
+        # threads take runs of turns: strides of a prime spread the busy middle of the picture over all of them
+        tile = (np.int64(turn) * _STRIDE) % tiles if tiles % _STRIDE else np.int64(turn)
+        x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
+        light = np.ones((TILE, TILE), np.float32)
+        red = np.zeros((TILE, TILE), np.float32)
+        green = np.zeros((TILE, TILE), np.float32)
+        blue = np.zeros((TILE, TILE), np.float32)
+        start = ends[tile]
+        for p in range(start, ends[tile + 1]):
+            if (p - start) % _STOP_EVERY == _STOP_EVERY - 1:
+                brightest = _F(0)
+                for y in range(TILE):
+                    for x in range(TILE):
+                        brightest = max(brightest, light[y, x])
+                if brightest < TRANSMITTANCE_MIN:
+                    break
+            i = pairs[p]
+            cx, cy, a, b, c, opacity = (
+                records[i, 0],
+                records[i, 1],
+                records[i, 2],
+                records[i, 3],
+                records[i, 4],
+                records[i, 5],
+            )
+            half = records[i, 7]
+            top = max(0, int(np.ceil(cy - half - y0 - _F(0.5))))
+            bottom = min(TILE - 1, int(np.floor(cy + half - y0 - _F(0.5))))
+            r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
+            dx0 = _F(x0) + _F(0.5) - cx
+            for y in range(top, bottom + 1):
+                dy = _F(y0 + y) + _F(0.5) - cy
+                e0, e1 = c * dy * dy, b * dy
+                for x in range(TILE):
+                    dx = dx0 + _F(x)
+                    power = max(e0 + dx * (e1 + a * dx), _F(-_EXP2_LEAST))
+                    whole = np.floor(power)
+                    part = power - whole
+                    # 2^part, minimax of degree 5, relative error 2e-7
+                    value = _F(1) + part * (
+                        _F(0.69315308)
+                        + part
+                        * (_F(0.24015361) + part * (_F(0.05582631) + part * (_F(0.00898934) + part * _F(0.00187758))))
+                    )
+                    alpha = min(opacity * value * _EXP2[np.int32(whole) + _EXP2_LEAST], ALPHA_MAX)
+                    alpha = alpha if alpha >= ALPHA_MIN else _F(0)
+                    weight = alpha * light[y, x]
+                    red[y, x] += weight * r
+                    green[y, x] += weight * g
+                    blue[y, x] += weight * bl
+                    light[y, x] -= weight
+        for y in range(min(TILE, height - y0)):
+            for x in range(min(TILE, width - x0)):
+                image[y0 + y, x0 + x, 0] = red[y, x]
+                image[y0 + y, x0 + x, 1] = green[y, x]
+                image[y0 + y, x0 + x, 2] = blue[y, x]
+                image[y0 + y, x0 + x, 3] = _F(1) - light[y, x]
