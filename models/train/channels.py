@@ -1,0 +1,48 @@
+"""What training compares between a person and the avatar: scores, gaze and distances, in units of tolerance."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
+from ..driver.gaze import GAZE
+from ..driver.measures import MEASURES
+
+GAZE_TOLERANCE = 0.05
+"""Radians; twice the noise of the irises under a shift of the crop."""
+MEASURE_TOLERANCE = 0.12
+"""Centimetres; the spread of the distances under a shift of the crop and a small turn."""
+SCORE_TOLERANCE = 0.06
+"""Share of a full expression."""
+FAINT_TOLERANCE = 0.025
+"""The same for scores that move little on any face."""
+FAINT = ("browInnerUp", "browDownLeft", "browDownRight", "mouthPucker", "mouthFunnel")
+UNTRUSTED_SCORES = (
+    "mouthClose",
+    "mouthShrugUpper",
+    "mouthRollUpper",
+    "mouthRollLower",
+    "cheekSquintLeft",
+    "cheekSquintRight",
+)
+"""These read the resting shape of the lips more than what they do."""
+TRUSTED_MEASURES = ("lip_gap", "mouth_width", "right_lid_gap", "left_lid_gap", "right_inner_brow", "left_inner_brow",
+                    "right_middle_brow", "left_middle_brow", "right_outer_brow", "left_outer_brow", "mouth_side",
+                    "right_corner_height", "left_corner_height")  # fmt: skip
+
+
+def channel_indices() -> NDArray[np.int64]:
+    """[T] the places in a feature vector of the T compared channels."""
+    scores = [SCORES.start + i for i, name in enumerate(SCORE_NAMES) if name not in UNTRUSTED_SCORES]
+    gaze = [BLOCKS["gaze"].start + i for i in range(len(GAZE))]
+    measures = [BLOCKS["measures"].start + MEASURES.index(name) for name in TRUSTED_MEASURES]
+    return np.array(scores + gaze + measures)
+
+
+def channel_tolerances() -> NDArray[np.float32]:
+    """[T] how far apart two channels may be before it counts, in the unit of each."""
+    tolerances = np.full(DIMENSION, SCORE_TOLERANCE, np.float32)
+    for name in FAINT:
+        tolerances[SCORES.start + SCORE_NAMES.index(name)] = FAINT_TOLERANCE
+    tolerances[BLOCKS["gaze"]] = GAZE_TOLERANCE
+    tolerances[BLOCKS["measures"]] = MEASURE_TOLERANCE
+    return tolerances[channel_indices()]

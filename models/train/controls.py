@@ -1,0 +1,62 @@
+"""What a regressor steers: bounded weights, and what each adds to an avatar's coefficients."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arkit import NAMES
+from ..driver.baseline import GAIN
+from ..driver.features import DIMENSION, SCORE_NAMES, SCORES
+from ..gem import Gem
+
+ARKIT_REACH = 0.7
+"""How far training may move an ARKit weight from the tracker's own reading of it."""
+
+
+@dataclass(frozen=True)
+class Controls:
+    """E weights: the 52 ARKit weights for an avatar with an ARKit map, otherwise its coefficients themselves."""
+
+    lower: NDArray[np.float32]
+    """[E] least weight."""
+    upper: NDArray[np.float32]
+    """[E] greatest weight."""
+    reach: NDArray[np.float32]
+    """[E] greatest distance from the unlearned start."""
+    start: NDArray[np.float32]
+    """[D, E] the unlearned reading of relative features as weights, before clipping to the bounds."""
+    to_coefficients: NDArray[np.float32]
+    """[E, coefficients] what one unit of each weight adds to the rest coefficients."""
+    rest: NDArray[np.float32]
+    """[coefficients] the neutral expression."""
+    limit: NDArray[np.float32]
+    """[coefficients] 3 sigma."""
+
+    def coefficients(self, weights: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Coefficients [..., coefficients] of weights [..., E], softly limited to 3 sigma as in equation 4."""
+        return self.limit * np.tanh((self.rest + weights @ self.to_coefficients) / self.limit)
+
+
+def controls_of(gem: Gem) -> Controls:
+    """The controls of an avatar."""
+    limit = 3 * gem.sigma
+    if gem.arkit_weights is None:
+        count = gem.coefficient_count
+        start = np.zeros((DIMENSION, count), np.float32)
+        identity = np.eye(count, dtype=np.float32)
+        return Controls(-limit, limit, limit, start, identity, gem.rest_coefficients, limit)
+    start = np.zeros((DIMENSION, len(NAMES)), np.float32)
+    for column, name in enumerate(NAMES):
+        if name in SCORE_NAMES:
+            start[SCORES.start + SCORE_NAMES.index(name), column] = GAIN
+    ones = np.ones(len(NAMES), np.float32)
+    return Controls(
+        0 * ones,
+        ones,
+        ARKIT_REACH * ones,
+        start,
+        np.asarray(gem.arkit_weights, np.float32),
+        gem.rest_coefficients,
+        limit,
+    )

@@ -1,0 +1,79 @@
+"""The regressor as a torch module, and its twin that ships: one ONNX graph (equations 3 and 4 of the paper)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from .controls import Controls
+
+HIDDEN = 256
+KAPPA_LIMIT = 4.0
+"""kappa is clipped here, in sigmas: a face far outside the training set must not reach the network as a huge number."""
+
+
+@dataclass(frozen=True)
+class FeaturePca:
+    """Equation 3: kappa = (r - mean) @ projection, whitened."""
+
+    mean: NDArray[np.float32]
+    """[D] mean relative feature."""
+    projection: NDArray[np.float32]
+    """[D, P] principal directions, each divided by the standard deviation of its coefficient."""
+
+
+class RegressorNetwork(nn.Module):
+    """Relative features r [B, D] and head rotation [B, 3] (radians) to control weights, and on to coefficients.
+
+    weights = clip(start(r) + reach tanh(MLP(kappa, rotation)))
+    k = 3 sigma tanh((rest + weights @ to_coefficients) / (3 sigma))
+
+    ``start`` is the unlearned reading of the scores, so that an untrained network already drives.
+    """
+
+    def __init__(self, pca: FeaturePca, controls: Controls) -> None:
+        super().__init__()
+
+        def constant(name: str, array: NDArray[np.floating]) -> None:
+            self.register_buffer(name, torch.tensor(np.asarray(array, np.float32)))
+
+        constant("feature_mean", pca.mean)
+        constant("projection", pca.projection)
+        constant("start", controls.start)
+        constant("lower", controls.lower)
+        constant("upper", controls.upper)
+        constant("reach", controls.reach)
+        constant("rest", controls.rest)
+        constant("to_coefficients", controls.to_coefficients)
+        constant("limit", controls.limit)
+        inputs = pca.projection.shape[1] + 3 + len(controls.lower)
+        self.layers = nn.Sequential(
+            nn.Linear(inputs, HIDDEN),
+            nn.ReLU(),
+            nn.Linear(HIDDEN, HIDDEN),
+            nn.ReLU(),
+            nn.Linear(HIDDEN, HIDDEN),
+            nn.ReLU(),
+            nn.Linear(HIDDEN, len(controls.lower)),
+        )
+        last = self.layers[-1]
+        assert isinstance(last, nn.Linear)
+        nn.init.zeros_(last.weight)
+        nn.init.zeros_(last.bias)
+
+    def free_weights(self, features: Tensor, rotation: Tensor) -> Tensor:
+        """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
+        kappa = ((features - self.feature_mean) @ self.projection).clamp(-KAPPA_LIMIT, KAPPA_LIMIT)
+        start = torch.minimum(torch.maximum(features @ self.start, self.lower), self.upper)
+        return start + self.reach * torch.tanh(self.layers(torch.cat([kappa, rotation, start], 1)))
+
+    def weights(self, features: Tensor, rotation: Tensor) -> Tensor:
+        """Control weights [B, E] within their bounds."""
+        return torch.minimum(torch.maximum(self.free_weights(features, rotation), self.lower), self.upper)
+
+    def forward(self, features: Tensor, rotation: Tensor) -> Tensor:
+        """Coefficients [B, coefficients], inside +-3 sigma."""
+        free = self.rest + self.weights(features, rotation) @ self.to_coefficients
+        return self.limit * torch.tanh(free / self.limit)

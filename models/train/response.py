@@ -1,0 +1,154 @@
+"""How an avatar answers: control weights and head rotation in, what the face tracker reads off its picture out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from ...render.camera import Camera, orbit
+from ...render.compositing import over
+from ...render.gaussians import RawGaussians
+from ...render.software import SoftwareEngine
+from ..driver.face import FaceTracker
+from ..driver.features import feature_vector
+from ..gem import Gem
+from ..posing import pose_head
+from .controls import Controls
+
+PICTURE_SIZE = 320
+FOV_DEG = 20.0
+HEAD_SHARE = 0.62
+"""How much of the picture's height the head fills."""
+POSE_SPREAD = np.radians([8.0, 12.0, 6.0])
+"""Standard deviations of pitch, yaw and roll of the training pictures, radians."""
+
+
+class AvatarNotSeen(RuntimeError):
+    """The face tracker does not find a face in the avatar's own neutral picture."""
+
+
+@dataclass(frozen=True)
+class Responses:
+    """S pictures of one avatar, as the tracker reads them."""
+
+    weights: NDArray[np.float32]
+    """[S, E] control weights."""
+    rotations: NDArray[np.float32]
+    """[S, 3] head rotation that was drawn: pitch, yaw, roll as a rotation vector, radians."""
+    features: NDArray[np.float32]
+    """[S, D] features relative to the avatar's own frontal neutral picture."""
+
+    def __len__(self) -> int:
+        return len(self.weights)
+
+
+def measure_responses(
+    gem: Gem,
+    controls: Controls,
+    weights: NDArray[np.float32],
+    rng: np.random.Generator,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Responses:
+    """Draws the avatar at each row of ``weights`` [S, E] under a random head pose, framing and light, and reads it with
+    the face tracker; pictures without a face are left out.
+
+    Raises AvatarNotSeen when the neutral picture has no face.
+    """
+    studio = _Studio(gem)
+    neutral = studio.read(gem.rest_coefficients, np.zeros(3), rng, still=True)
+    if neutral is None:
+        raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{gem.name}'")
+    rotations = (rng.normal(size=(len(weights), 3)) * POSE_SPREAD).astype(np.float32)
+    rotations[: len(weights) // 5] = 0
+    kept: list[int] = []
+    features: list[NDArray[np.float32]] = []
+    for index in range(len(weights)):
+        seen = studio.read(controls.coefficients(weights[index]), rotations[index], rng)
+        if seen is not None:
+            kept.append(index)
+            features.append(seen - neutral)
+        progress(index + 1, len(weights))
+    return Responses(
+        weights[kept], rotations[kept], np.stack(features) if features else np.empty((0, len(neutral)), "f4")
+    )
+
+
+class _Studio:
+    def __init__(self, gem: Gem) -> None:
+        self._gem = gem
+        self._engine = SoftwareEngine()
+        self._tracker = FaceTracker()
+        self._composed: RawGaussians | None = None
+
+    def read(
+        self,
+        coefficients: NDArray[np.float32],
+        rotation: NDArray[np.floating],
+        rng: np.random.Generator,
+        still: bool = False,
+    ) -> NDArray[np.float32] | None:
+        """The feature vector of one picture, or None where no face is seen."""
+        self._composed = self._gem.compose(coefficients, out=self._composed)
+        posed = pose_head(self._composed, self._gem.neck_weights, self._gem.neck_pivot, rotation, np.zeros(3))
+        image = self._engine.draw(posed, self._camera(rng, still))
+        background = (0.7, 0.7, 0.7) if still else tuple(rng.uniform(0.15, 0.95, 3))
+        picture = over(image, background)
+        if not still and rng.random() < 0.5:
+            picture = _photographed(picture, rng)
+        self._tracker.reset()
+        observation = self._tracker.track(picture)
+        return None if observation is None else feature_vector(observation)
+
+    def _camera(self, rng: np.random.Generator, still: bool) -> Camera:
+        viewing = self._gem.viewing
+        share = HEAD_SHARE if still else HEAD_SHARE * rng.uniform(0.8, 1.2)
+        distance = viewing.head_height / share / (2 * np.tan(np.radians(FOV_DEG) / 2))
+        shift = np.zeros(3) if still else np.append(rng.normal(0, 0.012, 2), 0)
+        return orbit(np.asarray(viewing.target) + shift, distance, 0, 0, FOV_DEG, PICTURE_SIZE, PICTURE_SIZE)
+
+
+def _photographed(picture: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:
+    """The picture with a camera's gamma and noise."""
+    light = (picture / 255.0) ** rng.uniform(0.7, 1.4) * 255 + rng.normal(0, rng.uniform(0, 5), picture.shape)
+    return np.clip(light, 0, 255).astype(np.uint8)
+
+
+class ResponseModel(nn.Module):
+    """F: control weights [B, E] and head rotation [B, 3] to the channels that training compares [B, T]."""
+
+    def __init__(self, controls: int, channels: int) -> None:
+        super().__init__()
+        self.linear = nn.Linear(controls + 3, channels)
+        self.bend = nn.Sequential(
+            nn.Linear(controls + 3, 384), nn.SiLU(), nn.Linear(384, 384), nn.SiLU(), nn.Linear(384, channels)
+        )
+
+    def forward(self, weights: Tensor, rotation: Tensor) -> Tensor:
+        inputs = torch.cat([weights, rotation], 1)
+        return self.linear(inputs) + self.bend(inputs)
+
+
+def fit_response(inputs: tuple[Tensor, Tensor], channels: Tensor, steps: int, seed: int) -> tuple[ResponseModel, float]:
+    """Learns F from weights [S, E], rotations [S, 3] and channels [S, T] (in units of their tolerance); returns it with
+    the share of variance (R2) it explains on a held-out tenth. Its parameters are frozen."""
+    weights, rotations = inputs
+    torch.manual_seed(seed)
+    model = ResponseModel(weights.shape[1], channels.shape[1])
+    order = torch.randperm(len(weights))
+    held, used = order[: len(order) // 10], order[len(order) // 10 :]
+    optimizer = torch.optim.AdamW(model.parameters(), 2e-3, weight_decay=1e-3)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
+    for _ in range(steps):
+        batch = used[torch.randint(len(used), (256,))]
+        loss = nn.functional.mse_loss(model(weights[batch], rotations[batch]), channels[batch])
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+        schedule.step()
+    model.requires_grad_(False)
+    residual = ((model(weights[held], rotations[held]) - channels[held]) ** 2).sum()
+    spread = ((channels[held] - channels[held].mean(0)) ** 2).sum()
+    return model, float(1 - residual / spread)

@@ -1,0 +1,201 @@
+"""Trains the regressor of one avatar by closing the loop: what is read on a person shall be read on the avatar.
+
+F, the avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
+regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from ..driver.features import BLOCKS
+from ..gem import Gem
+from ..gemfile import load_gem, save_gem
+from .channels import channel_indices, channel_tolerances
+from .controls import Controls, controls_of
+from .export_onnx import export_onnx
+from .expressions import random_coefficients, random_weights
+from .footage import read_footage
+from .network import FeaturePca, RegressorNetwork
+from .response import ResponseModel, Responses, fit_response, measure_responses
+from .strangers import crowd
+
+COMPONENTS = 50
+"""Equation 3: the features are reduced to so many numbers."""
+SIGMA_FLOOR = 1e-3
+"""Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
+BATCH = 256
+PRIOR = 0.3
+"""Price of one unit of weight away from the unlearned start, in squared tolerances."""
+EXCESS = 20.0
+"""Price of a weight beyond its bounds."""
+LABELS = 2.0
+"""Price of missing the known weights on the avatar's own pictures."""
+HUBER = 3.0
+"""Beyond so many tolerances a mismatch grows linearly only: the avatar may be unable to do what the person does."""
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class TrainingReport:
+    """What a training reached."""
+
+    pictures: int
+    """Pictures of the avatar that its response was learned from."""
+    response_r2: float
+    """Share of the channels' variance that the response model explains on pictures it never saw."""
+    start_mismatch: float
+    """Mean mismatch between people and avatar, in tolerances, by the unlearned start ..."""
+    end_mismatch: float
+    """... and by the trained regressor, on moments of invented people held out of training."""
+
+
+def train_regressor(
+    avatar: Path,
+    out: Path | None = None,
+    *,
+    companions: Sequence[Path] = (),
+    videos: Sequence[Path] = (),
+    pictures: int = 6000,
+    steps: int = 8000,
+    seed: int = 0,
+    progress: Progress = lambda stage, done, total: None,
+) -> TrainingReport:
+    """Trains a regressor for ``avatar`` and saves the avatar with it.
+
+    Args:
+        avatar: a .gem file.
+        out: where the result goes; None replaces ``avatar``.
+        companions: other avatars, which play strangers.
+        videos: any videos of faces, unlabelled; they need not be of one person.
+        pictures: how many pictures of the avatar are drawn and read.
+        steps: training steps of the response model and of the regressor each.
+        seed: makes the run repeatable.
+        progress: called with the stage's name, steps done and steps in all.
+
+    Raises:
+        GemFormatError: for a file that is no avatar.
+        AvatarNotSeen: where the tracker finds no face in the avatar's picture.
+    """
+    gem = load_gem(avatar)
+    regressor, report = regressor_for(
+        gem,
+        [load_gem(path) for path in companions],
+        read_footage(videos, lambda done, total: progress("videos", done, total)),
+        pictures=pictures,
+        steps=steps,
+        seed=seed,
+        progress=progress,
+    )
+    save_gem(replace(gem, regressor=regressor), out or avatar)
+    return report
+
+
+def regressor_for(
+    gem: Gem,
+    companions: Sequence[Gem],
+    footage: NDArray[np.float32],
+    *,
+    pictures: int,
+    steps: int,
+    seed: int,
+    progress: Progress = lambda stage, done, total: None,
+) -> tuple[bytes, TrainingReport]:
+    """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it."""
+    rng = np.random.default_rng(seed)
+    controls = controls_of(gem)
+    own = _pictured(gem, controls, pictures, rng, lambda done, total: progress("pictures", done, total))
+    others = [
+        _pictured(
+            other,
+            controls_of(other),
+            max(200, pictures // 4),
+            rng,
+            lambda done, total: progress("strangers", done, total),
+        )
+        for other in companions
+    ]
+    response, r2 = _fit(own, steps, seed)
+    people = crowd([own, *others], footage, 40_000, rng)
+    judges = crowd([own, *others], footage, 2_000, rng)
+    pca = feature_pca(np.concatenate([own.features, people.features[:8000]]))
+    torch.manual_seed(seed)
+    network = RegressorNetwork(pca, controls)
+    judged = (torch.from_numpy(judges.features), torch.from_numpy(judges.rotations))
+    before = float(_mismatch(network, response, *judged).mean())
+    _close_loop(network, response, own, people.features, people.rotations, steps, progress)
+    with torch.no_grad():
+        after = float(_mismatch(network, response, *judged).mean())
+    return export_onnx(network), TrainingReport(len(own), r2, before, after)
+
+
+def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
+    """Equation 3 on relative features [S, D], every block scaled to the same spread."""
+    scale = np.ones(features.shape[1])
+    for block in BLOCKS.values():
+        scale[block] = np.sqrt(features[:, block].var(0).sum())
+    mean = features.mean(0)
+    _, spread, directions = np.linalg.svd((features - mean) / scale, full_matrices=False)
+    kept = min(COMPONENTS, int(np.count_nonzero(spread > SIGMA_FLOOR * spread[0])))
+    sigma = spread[:kept] / np.sqrt(len(features) - 1)
+    return FeaturePca(mean.astype(np.float32), (directions[:kept] / scale / sigma[:, None]).T.astype(np.float32))
+
+
+def _pictured(
+    gem: Gem, controls: Controls, count: int, rng: np.random.Generator, progress: Callable[[int, int], None]
+) -> Responses:
+    weights = random_coefficients(controls, count, rng) if gem.arkit_weights is None else random_weights(count, rng)
+    return measure_responses(gem, controls, weights, rng, progress)
+
+
+def _fit(own: Responses, steps: int, seed: int) -> tuple[ResponseModel, float]:
+    channels = own.features[:, channel_indices()] / channel_tolerances()
+    inputs = (torch.from_numpy(own.weights), torch.from_numpy(own.rotations))
+    return fit_response(inputs, torch.from_numpy(channels), steps, seed)
+
+
+def _mismatch(network: RegressorNetwork, response: ResponseModel, features: Tensor, rotations: Tensor) -> Tensor:
+    """[B, T] Huber distance of the avatar's channels from the person's, in tolerances."""
+    wanted = features[:, torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
+    got = response(network.weights(features, rotations), rotations)
+    return torch.nn.functional.huber_loss(got, wanted, reduction="none", delta=HUBER)
+
+
+def _close_loop(
+    network: RegressorNetwork,
+    response: ResponseModel,
+    own: Responses,
+    features: NDArray[np.float32],
+    rotations: NDArray[np.float32],
+    steps: int,
+    progress: Progress,
+) -> None:
+    people = (torch.from_numpy(features), torch.from_numpy(rotations))
+    known = tuple(torch.from_numpy(array) for array in (own.features, own.rotations, own.weights))
+    optimizer = torch.optim.AdamW(network.parameters(), 1e-3, weight_decay=1e-3)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
+    for step in range(steps):
+        batch = torch.randint(len(people[0]), (BATCH,))
+        r, turn = people[0][batch], people[1][batch]
+        free = network.free_weights(r, turn)
+        bounded = torch.minimum(torch.maximum(free, network.lower), network.upper)
+        # a weight outside its bounds keeps a little gradient, or it would never come back
+        wanted = r[:, torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
+        got = response(bounded + 0.05 * (free - bounded), turn)
+        loss = torch.nn.functional.huber_loss(got, wanted, delta=HUBER)
+        start = torch.minimum(torch.maximum(r @ network.start, network.lower), network.upper)
+        loss = loss + PRIOR * ((bounded - start) ** 2).mean() + EXCESS * ((free - bounded) ** 2).mean()
+        own_batch = torch.randint(len(known[0]), (BATCH // 2,))
+        labelled = network.free_weights(known[0][own_batch], known[1][own_batch])
+        loss = loss + LABELS * ((labelled - known[2][own_batch]) ** 2).mean()
+        optimizer.zero_grad()
+        loss.backward()
+        optimizer.step()
+        schedule.step()
+        progress("regressor", step + 1, steps)

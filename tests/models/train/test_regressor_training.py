@@ -1,0 +1,148 @@
+"""The regressor's training, in parts and on a small scale; the real thing is measured by tests/bench/closed_loop.py."""
+
+import numpy as np
+import onnxruntime
+import pytest
+from gemheads.models.arkit import NAMES
+from gemheads.models.driver.baseline import baseline_weights
+from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
+from gemheads.models.driver.regressor import Regressor
+from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
+
+torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+
+from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
+from gemheads.models.train.controls import Controls, controls_of  # noqa: E402
+from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
+from gemheads.models.train.expressions import random_coefficients, random_weights  # noqa: E402
+from gemheads.models.train.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.response import Responses  # noqa: E402
+from gemheads.models.train.strangers import crowd, pose_leak  # noqa: E402
+from gemheads.models.train.train_regressor import feature_pca  # noqa: E402
+
+
+def toy_gem(rigged: bool = True, splats: int = 12, components: int = 5) -> Gem:
+    rng = np.random.default_rng(0)
+    bases = {
+        name: Basis(
+            rng.normal(size=(components + 1, splats * CHANNELS[name])).astype("f4"),
+            np.linspace(1, 0.2, components).astype("f4"),
+        )
+        for name in MODALITIES
+    }
+    count = 4 * components
+    return Gem(
+        "toy",
+        bases,
+        np.full((splats, 3), 0.5, "f4"),
+        np.ones(splats, "f4"),
+        np.zeros(3, "f4"),
+        np.zeros((splats, 2), "u2"),
+        8,
+        Viewing((0, 0, 0), 0.25),
+        arkit_weights=rng.normal(size=(52, count)).astype("f4") if rigged else None,
+    )
+
+
+def relative_features(count: int, seed: int = 0) -> np.ndarray:
+    return (np.random.default_rng(seed).normal(size=(count, DIMENSION)) * 0.1).astype("f4")
+
+
+def network_of(controls: Controls, trained: bool = True) -> RegressorNetwork:
+    torch.manual_seed(0)
+    network = RegressorNetwork(feature_pca(relative_features(300)), controls)
+    if trained:
+        with torch.no_grad():
+            for parameter in network.parameters():
+                parameter.add_(0.2 * torch.randn_like(parameter))
+    return network
+
+
+@pytest.mark.parametrize("rigged", [True, False])
+def test_the_exported_graph_is_the_network(rigged: bool) -> None:
+    network = network_of(controls_of(toy_gem(rigged)))
+    features, rotations = relative_features(20, 1) * 5, np.random.default_rng(1).normal(size=(20, 3)).astype("f4")
+    regressor = Regressor(export_onnx(network), toy_gem().coefficient_count)
+    with torch.no_grad():
+        wanted = network(torch.from_numpy(features), torch.from_numpy(rotations)).numpy()
+    got = np.stack([regressor(f, r) for f, r in zip(features, rotations, strict=True)])
+    np.testing.assert_allclose(got, wanted, atol=1e-4)
+    assert np.ptp(got, axis=0).max() > 0.1
+
+
+def test_the_same_weights_give_the_same_bytes() -> None:
+    controls = controls_of(toy_gem())
+    assert export_onnx(network_of(controls)) == export_onnx(network_of(controls))
+
+
+def test_coefficients_stay_within_three_sigma_whatever_comes_in() -> None:
+    gem = toy_gem()
+    regressor = Regressor(export_onnx(network_of(controls_of(gem))), gem.coefficient_count)
+    answer = regressor(np.full(DIMENSION, 1e6, "f4"), np.array([9.0, -9.0, 9.0], "f4"))
+    assert (np.abs(answer) <= 3 * gem.sigma * (1 + 1e-5)).all()
+
+
+def test_an_untrained_network_drives_like_the_baseline() -> None:
+    controls = controls_of(toy_gem())
+    features = relative_features(10, 2)
+    with torch.no_grad():
+        weights = network_of(controls, trained=False).weights(torch.from_numpy(features), torch.zeros(10, 3)).numpy()
+    np.testing.assert_allclose(weights, baseline_weights(features), atol=1e-6)
+
+
+def test_a_graph_holds_only_operators_that_a_runtime_of_any_age_has() -> None:
+    session = onnxruntime.InferenceSession(export_onnx(network_of(controls_of(toy_gem()))))
+    assert [i.name for i in session.get_inputs()] == ["relative_features", "head_rotation"]
+    assert session.get_outputs()[0].shape == [1, 20]
+
+
+def test_random_faces_cover_every_weight_and_start_neutral() -> None:
+    weights = random_weights(2000, np.random.default_rng(0))
+    assert (weights[0] == 0).all()
+    assert weights.min() >= 0
+    assert weights.max() <= 1
+    assert (weights.std(0) > 0.02).all(), [n for n, s in zip(NAMES, weights.std(0), strict=True) if s <= 0.02]
+    np.testing.assert_array_equal(weights, random_weights(2000, np.random.default_rng(0)))
+
+
+def test_random_coefficients_respect_their_bounds() -> None:
+    controls = controls_of(toy_gem(rigged=False))
+    weights = random_coefficients(controls, 500, np.random.default_rng(0))
+    assert (np.abs(weights) <= controls.upper).all()
+    assert (weights.std(0) > 0.2 * controls.upper).all()
+
+
+def test_feature_pca_whitens_and_drops_what_is_only_rounding() -> None:
+    rng = np.random.default_rng(0)
+    flat = rng.normal(size=(400, 7)) @ rng.normal(size=(7, DIMENSION))
+    pca = feature_pca(flat.astype("f4"))
+    kappa = (flat - pca.mean) @ pca.projection
+    assert kappa.shape[1] == 7
+    np.testing.assert_allclose(np.cov(kappa.T), np.eye(7), atol=1e-3)
+
+
+def test_pose_leak_is_found_beside_expressions() -> None:
+    rng = np.random.default_rng(0)
+    leak = rng.normal(size=(3, DIMENSION)).astype("f4")
+    weights, rotations = random_weights(1500, rng), rng.normal(0, 0.2, (1500, 3)).astype("f4")
+    features = weights @ rng.normal(size=(52, DIMENSION)).astype("f4") + rotations @ leak
+    found = pose_leak(Responses(weights, rotations, features.astype("f4")))
+    assert np.corrcoef(found.ravel(), leak.ravel())[0, 1] > 0.95
+
+
+def test_invented_people_move_their_scores_otherwise_than_the_avatar() -> None:
+    rng = np.random.default_rng(0)
+    source = Responses(random_weights(300, rng), np.zeros((300, 3), "f4"), relative_features(300))
+    people = crowd([source, source], np.empty((0, DIMENSION + 3), "f4"), 500, rng)
+    assert people.features.shape == (500, DIMENSION)
+    assert np.isfinite(people.features).all()
+    assert 0.5 < people.features.std() / source.features.std() < 2
+
+
+def test_channels_and_tolerances_go_together() -> None:
+    indices, tolerances = channel_indices(), channel_tolerances()
+    assert len(indices) == len(tolerances) == len(set(indices))
+    assert (tolerances > 0).all()
+    jaw = SCORES.start + SCORE_NAMES.index("jawOpen")
+    assert jaw in indices
+    assert not set(indices) & set(range(BLOCKS["mixer"].start, BLOCKS["mixer"].stop))
