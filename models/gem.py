@@ -186,7 +186,7 @@ class Gem:
             self.bases[name].components @ (np.asarray(value, np.float32).reshape(-1) - self.bases[name].mean)
             for name, value in zip(MODALITIES, values, strict=True)
         ]
-        return np.concatenate(parts)
+        return np.concatenate(parts).astype(np.float32)
 
     def swept(self, modality: str, component: int, steps: int, sigmas: float = CLAMP_SIGMAS) -> NDArray[np.float32]:
         """Coefficients [steps, coefficients] from -``sigmas`` to +``sigmas`` along one component, all else at rest."""

@@ -1,0 +1,203 @@
+"""An avatar as one file, ``.gem``: safetensors with one JSON text. docs/gem-format.md is the contract.
+
+Nothing in a file is run or unpickled, and nothing is allocated before the header has been checked.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BufferedReader
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .compaction import Compact, compact, expand
+from .gem import CHANNELS, MODALITIES, Basis, Gem
+from .gemcard import BASIS_TYPES, KEY, Card, Seal, card_text, read_card
+from .gemheader import GemFormatError, Header, header_bytes, read_header
+from .gemlayout import BASIS_PARTS, Layout, check_layout, check_motion, check_values
+from .wholefile import open_ordinary, write_whole
+
+Tensors = dict[str, NDArray[Any]]
+_ANOTHERS = "train it for this avatar (gemheads train-regressor)"
+
+
+@dataclass(frozen=True)
+class GemInfo:
+    """What a file's header says; of the tensors nothing has been read."""
+
+    card: Card
+    layout: Layout
+    bytes: int
+    """Size of the file."""
+
+
+def save_gem(gem: Gem, path: str | Path, basis: str = "int8") -> None:
+    """Writes an avatar; the file appears whole or not at all.
+
+    Components are stored as ``basis`` "int8" (a scale per component) or "fp16", without the splats that hardly move.
+    An avatar that was loaded from such a file is stored again without any further loss.
+
+    Raises:
+        ValueError: for another ``basis``, values that no file may hold, or a name and origin too long for a header.
+        OSError: where the file cannot be written; what was there before stays.
+    """
+    if basis not in BASIS_TYPES:
+        raise ValueError(f"a basis is stored as one of {list(BASIS_TYPES)}, not {basis!r}")
+    tensors = _tensors(gem, basis)
+    for name, values in tensors.items():
+        check_values(name, values, len(gem))
+    payload = [np.ascontiguousarray(tensor).data for tensor in tensors.values()]
+    seal = None
+    if gem.regressor is not None:
+        seal = Seal(hashlib.sha256(gem.regressor).hexdigest(), _bases_sha256(tensors))
+    digest = hashlib.sha256()
+    for part in payload:
+        digest.update(part)
+    card = Card(gem.name, gem.about, gem.viewing, gem.uv_size, basis, digest.hexdigest(), seal)
+    write_whole(Path(path), [header_bytes({KEY: card_text(card)}, tensors), *payload])
+
+
+def load_gem(path: str | Path, components: int | None = None) -> Gem:
+    """Reads an avatar.
+
+    Args:
+        path: a file of ``save_gem``.
+        components: read only the first so many of each modality: what ``Gem.truncated`` gives, in less time and memory.
+            The checksum of the whole is then not compared.
+
+    Raises:
+        GemFormatError: for everything that is no sound avatar, within bounded memory and time.
+    """
+    with _opened(Path(path)) as (file, size):
+        header = read_header(file, size)
+        card = read_card(header.metadata)
+        layout = check_layout(header, card)
+        tensors = _read(file, header, layout, card if components is None else None, components)
+        return _gem(tensors, layout, card, components)
+
+
+def read_info(path: str | Path) -> GemInfo:
+    """What a file's header says, without reading its tensors. Raises GemFormatError."""
+    with _opened(Path(path)) as (file, size):
+        header = read_header(file, size)
+        card = read_card(header.metadata)
+        return GemInfo(card, check_layout(header, card), size)
+
+
+def _tensors(gem: Gem, basis: str) -> Tensors:
+    tensors: Tensors = {}
+    for name in MODALITIES:
+        stored = compact(name, gem.bases[name], basis)
+        tensors[f"{name}.mean"] = gem.bases[name].mean.reshape(-1, CHANNELS[name])
+        tensors[f"{name}.components"] = stored.values
+        tensors[f"{name}.scale"] = stored.scale
+        tensors[f"{name}.sigma"] = gem.bases[name].sigma
+        tensors[f"{name}.kept"] = stored.kept
+    tensors["colors"] = gem.colors.astype(np.float16)
+    tensors["neck_weights"] = gem.neck_weights.astype(np.float16)
+    tensors["neck_pivot"] = np.asarray(gem.neck_pivot, np.float32)
+    tensors["uv_index"] = gem.uv_index.astype(np.uint16)
+    if gem.arkit_weights is not None:
+        tensors["arkit_weights"] = gem.arkit_weights.astype(np.float32)
+    if gem.rest is not None:
+        tensors["rest"] = gem.rest.astype(np.float32)
+    if gem.regressor is not None:
+        tensors["regressor"] = np.frombuffer(gem.regressor, np.uint8)
+    # wide numbers first: every tensor is then aligned
+    return dict(sorted(tensors.items(), key=lambda item: -item[1].dtype.itemsize))
+
+
+def _bases_sha256(tensors: Mapping[str, NDArray[Any]]) -> str:
+    """Of all that gives coefficients their meaning."""
+    digest = hashlib.sha256()
+    for name in (f"{modality}.{part}" for modality in MODALITIES for part in BASIS_PARTS):
+        digest.update(f"{name} {tensors[name].dtype.str} {tensors[name].shape}\n".encode())
+        digest.update(np.ascontiguousarray(tensors[name]).data)
+    return digest.hexdigest()
+
+
+def _read(file: BufferedReader, header: Header, layout: Layout, seal: Card | None, components: int | None) -> Tensors:
+    tensors: Tensors = {}
+    digest = hashlib.sha256()
+    for name, entry in header.entries.items():
+        shape = entry.shape
+        if components is not None and name.rpartition(".")[2] in ("components", "scale", "sigma"):
+            shape = (min(components, shape[0]), *shape[1:])
+        if components is not None and name == "regressor":
+            continue
+        values = np.empty(shape, entry.dtype)
+        file.seek(header.payload + entry.start)
+        view = values.reshape(-1).view(np.uint8).data
+        if file.readinto(view) != view.nbytes:
+            raise GemFormatError(f"the file ends within the tensor {name!r}")
+        digest.update(view)
+        check_values(name, values, layout.splats)
+        tensors[name] = values
+    if seal is not None and digest.hexdigest() != seal.payload_sha256:
+        raise GemFormatError("its contents were changed or damaged: the checksum does not fit")
+    return tensors
+
+
+def _gem(tensors: Tensors, layout: Layout, card: Card, components: int | None) -> Gem:
+    bases = {name: _basis(name, tensors, layout) for name in MODALITIES}
+    if (tensors["uv_index"] >= card.uv_size).any():
+        raise GemFormatError(f"its UV index points outside of a map of {card.uv_size} texels a side")
+    weights, rest = tensors.get("arkit_weights"), tensors.get("rest")
+    if components is not None:
+        used = _leading(layout, components)
+        weights = None if weights is None else weights[:, used]
+        rest = None if rest is None else rest[used]
+    graph = None
+    if card.regressor is not None and components is None:
+        graph = tensors["regressor"].tobytes()
+        if hashlib.sha256(graph).hexdigest() != card.regressor.sha256:
+            raise GemFormatError("its regressor was exchanged or damaged", _ANOTHERS)
+        if _bases_sha256(tensors) != card.regressor.bases_sha256:
+            raise GemFormatError("its regressor was trained for another avatar", _ANOTHERS)
+    return Gem(
+        name=card.name,
+        bases=bases,
+        colors=tensors["colors"].astype(np.float32),
+        neck_weights=tensors["neck_weights"].astype(np.float32),
+        neck_pivot=tensors["neck_pivot"],
+        uv_index=tensors["uv_index"],
+        uv_size=card.uv_size,
+        viewing=card.viewing,
+        arkit_weights=weights,
+        rest=rest,
+        regressor=graph,
+        about=card.about,
+    )
+
+
+def _basis(name: str, tensors: Tensors, layout: Layout) -> Basis:
+    values, scale, sigma = (tensors[f"{name}.{part}"] for part in ("components", "scale", "sigma"))
+    check_motion(name, values, scale, sigma)
+    rows = np.zeros((len(sigma) + 1, layout.splats * CHANNELS[name]), np.float32)
+    rows[0] = tensors[f"{name}.mean"].reshape(-1)
+    expand(Compact(tensors[f"{name}.kept"], values, scale), rows[1:])
+    return Basis(rows, sigma)
+
+
+def _leading(layout: Layout, components: int) -> NDArray[np.intp]:
+    """Places of the coefficients that are left when each modality keeps its first ``components``."""
+    counts = [layout.components[name] for name in MODALITIES]
+    starts = np.cumsum([0, *counts[:-1]])
+    return np.concatenate([np.arange(s, s + min(components, k)) for s, k in zip(starts, counts, strict=True)])
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[BufferedReader, int]]:
+    """The open file and its size; every failure in it names the path."""
+    try:
+        with open_ordinary(path) as opened:
+            yield opened
+    except GemFormatError as error:
+        raise error.at(path) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise GemFormatError(f"cannot be read ({reason})", "check the path", str(path)) from error

@@ -1,0 +1,40 @@
+"""Files that appear whole or not at all, and reading only what is an ordinary file."""
+
+import os
+import stat
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from io import BufferedReader
+from pathlib import Path
+from typing import Any
+
+
+def write_whole(path: Path, parts: Iterable[Any]) -> None:
+    """Writes buffers to a file beside ``path``, makes sure they are on the disk, and only then gives it that name.
+
+    Raises OSError; then nothing is left behind, and what was at ``path`` is still there.
+    """
+    aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with aside.open("wb") as file:
+            for part in parts:
+                file.write(part)
+            file.flush()
+            os.fsync(file.fileno())
+        aside.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            aside.unlink()
+        raise
+
+
+@contextmanager
+def open_ordinary(path: Path) -> Iterator[tuple[BufferedReader, int]]:
+    """Opens an ordinary file for reading and gives it with its size in bytes.
+
+    Raises OSError; for a folder, a pipe or a device too, which could block or never end.
+    """
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise OSError(None, "it is no ordinary file")
+    with path.open("rb") as file:
+        yield file, os.fstat(file.fileno()).st_size
