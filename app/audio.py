@@ -1,4 +1,4 @@
-"""The driver's sound, copied packet by packet beside new pictures; re-encoded only where the new container refuses it."""
+"""The driver's sound, copied packet by packet; re-encoded only where the new container refuses it."""
 
 from fractions import Fraction
 from pathlib import Path

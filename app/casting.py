@@ -31,7 +31,7 @@ class Avatar:
         """[coefficients] what closes both lids; zeros where the avatar does not know."""
         if self.gem.arkit_weights is None:
             return np.zeros_like(self.gem.rest_coefficients)
-        return sum(self.gem.arkit_weights[arkit.NAMES.index(f"eyeBlink{side}")] for side in ("Left", "Right"))
+        return self.gem.arkit_weights[[arkit.NAMES.index(f"eyeBlink{side}") for side in ("Left", "Right")]].sum(0)
 
 
 def open_avatar(path: Path) -> Avatar:
@@ -57,7 +57,7 @@ def expression_of(avatar: Avatar, driving: Driving) -> Express:
     gem = avatar.gem
     if driving == "baseline":
         if gem.arkit_weights is None:
-            raise InputError(f"{avatar.path}: knows no ARKit shapes, which --driver baseline needs; use --driver learned")
+            raise InputError(f"{avatar.path}: knows no ARKit shapes, so use --driver learned")
         return lambda features, turn: gem.clamped(gem.arkit_coefficients(baseline_weights(features)))
     if gem.regressor is None:
         raise InputError(

@@ -1,4 +1,7 @@
-"""The ``gemheads`` command: one function per command; what each needs is imported when it runs, so that --help is instant."""
+"""The ``gemheads`` command: one function per command.
+
+What a command needs is imported when it runs, so that --help is instant.
+"""
 
 import os
 import sys
@@ -17,6 +20,7 @@ app = App(
     help="A face video in, an acting 3D head out: offline, on an ordinary computer.",
     help_epilogue=EXIT_CODES,
     version_flags=["--version"],
+    suppress_keyboard_interrupt=False,
 )
 
 Out = Annotated[str, Parameter(name=["--out", "-o"])]
@@ -47,7 +51,7 @@ def reenact(
     """Let an avatar act what the faces in videos do.
 
     Args:
-        drivers: Videos, folders of pictures, numbered pictures (shot_%04d.png, 'shot_*.png'). None is needed with --track.
+        drivers: Videos, folders of pictures, or numbered pictures (shot_%04d.png). None is needed with --track.
         out: Result: .mp4, .mov, .webm, or a folder for PNGs; with several drivers a folder of results.
         avatar: Name of an avatar (`gemheads info` lists them) or a .gem file.
         components: How many components a modality to draw with; fewer is faster and coarser. Default: all.
@@ -63,11 +67,11 @@ def reenact(
         driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
         rate: Frames per second of pictures, such as 25 or 30000/1001.
     """
-    from .words import read_colour, read_rate, read_size
     from .library import find_avatar
     from .neutrals import read_rule
     from .reenact import Wish
     from .reenact import reenact as run
+    from .words import read_colour, read_rate, read_size
 
     wish = Wish(
         avatar=find_avatar(avatar),
@@ -137,9 +141,9 @@ def modes(file: str, out: Out, components: int = 5, size: Size = "256x256", engi
         size: Width x height of each picture.
         engine: What draws.
     """
-    from .words import read_size
     from .library import find_avatar
     from .modes import draw_modes
+    from .words import read_size
 
     draw_modes(find_avatar(file), Path(out), components, read_size(size), engine)
     print(out)
@@ -221,10 +225,10 @@ def track(
         with_driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
         rate: Frames per second of pictures.
     """
-    from .words import read_rate
     from .library import find_avatar
     from .neutrals import read_rule
     from .tracking import run_tracking
+    from .words import read_rate
 
     return run_tracking(driver, Path(out), find_avatar(avatar), read_rule(neutral), with_driver, read_rate(rate))
 
@@ -234,26 +238,35 @@ def train_regressor(
     avatar: str,
     *videos: Path,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    minutes: float = 15.0,
+    companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
+    pictures: int = 6000,
+    steps: int = 8000,
     seed: int = 0,
 ) -> int:
-    """Learn how this avatar answers a face (needs the extra: pip install 'gemheads[train]').
+    """Learn how an avatar answers a face (needs the extra: pip install 'gemheads[train]').
 
     Args:
         avatar: Name of an avatar or a .gem file.
         videos: Face videos whose motion the training also learns from; no labels needed.
         out: Where the avatar with its regressor goes. Default: the same file.
-        minutes: How long it may take.
+        companions: Other avatars, which play strangers. Default: the other shipped ones.
+        pictures: How many pictures of the avatar are drawn and read.
+        steps: Training steps.
         seed: The same seed, avatar and videos give the same regressor.
     """
+    from .library import avatars, find_avatar
     from .training import run_training
 
-    return run_training(avatar, out, minutes, list(videos), seed)
+    path = find_avatar(avatar)
+    others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
+    if companions is not None:
+        others = [find_avatar(name) for name in companions]
+    return run_training(path, out, list(videos), others, pictures, steps, seed)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; returns the exit code of docs/commands.md. The entry point of ``gemheads``."""
-    # Idle BLAS workers spin and starve the rasteriser (107 -> 87 ms a frame): one is enough, and must be set before NumPy.
+    # Idle BLAS workers spin and starve the rasteriser (107 -> 87 ms a frame); this must be set before NumPy comes.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = sys.argv[1:] if arguments is None else arguments
     debug = "--debug" in arguments
@@ -262,7 +275,6 @@ def main(arguments: list[str] | None = None) -> int:
             [word for word in arguments if word != "--debug"],
             exit_on_error=False,
             print_error=False,
-            suppress_keyboard_interrupt=False,
             result_action="return_value",
         )
         return int(result or ExitCode.OK)

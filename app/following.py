@@ -1,7 +1,7 @@
 """Following one face: who it is, what it does relative to its neutral, smoothed; what ``live.drive`` is made of."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +51,7 @@ class Actor:
 class Memory:
     """What one frame leaves to the next."""
 
-    attention: Attention = Attention()
+    attention: Attention = field(default_factory=Attention)
     seconds: float | None = None
     thumbnail: NDArray[np.float32] | None = None
     box: tuple[float, float, float, float] | None = None
@@ -84,7 +84,7 @@ def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Me
 
 
 def is_another(face: FaceObservation, memory: Memory) -> bool:
-    """Whether the tracker, having lost the locked face, found somebody else: who waits until the first one is given up."""
+    """Whether the tracker lost the locked face and found somebody else, who waits until the first is given up."""
     if memory.box is None or memory.attention.missing_secs >= HOLD_SECS:
         return False
     (left, top, right, bottom), (left0, top0, right0, bottom0) = face.box_px, memory.box

@@ -17,7 +17,7 @@ def breath(seconds: float) -> NDArray[np.float64]:
 def lids_closed(seconds: float) -> float:
     """How far the lids are down, in [0, 1]; 0 most of the time and at 0 s.
 
-    Every blink comes at another point of its interval (the golden ratio spreads them), so that it never ticks like a clock.
+    Every blink comes at another point of its interval (the golden ratio spreads them): it never ticks like a clock.
     """
     interval, within = divmod(seconds, BLINK_EVERY_SECS)
     start = 0.3 + (BLINK_EVERY_SECS - BLINK_SECS - 0.3) * ((interval * 0.618034 + 0.4) % 1)

@@ -27,7 +27,7 @@ def user_folder() -> Path:
 
 
 def avatars(folders: tuple[tuple[Path, bool], ...] | None = None) -> list[Entry]:
-    """All avatars by name, the user's own before a shipped one of the same name. ``folders`` are (folder, shipped) pairs."""
+    """All avatars by name, the user's own before a shipped one of the same name; ``folders``: (folder, shipped)."""
     found: dict[str, Entry] = {}
     for folder, shipped in folders or ((user_folder(), False), (SHIPPED, True)):
         for file in sorted(folder.glob(f"*{SUFFIX}")) if folder.is_dir() else ():
@@ -41,7 +41,7 @@ def find_avatar(wanted: str | None = None, entries: list[Entry] | None = None) -
     if wanted is None:
         shipped = [entry for entry in entries if entry.shipped] or entries
         if not shipped:
-            raise InputError(f"there is no avatar in {SHIPPED}; run `make avatars`, or give one with --avatar FILE{SUFFIX}")
+            raise InputError(f"no avatar in {SHIPPED}; run `make avatars`, or give --avatar FILE{SUFFIX}")
         return shipped[0].path
     for entry in entries:
         if entry.name == wanted:
@@ -50,4 +50,4 @@ def find_avatar(wanted: str | None = None, entries: list[Entry] | None = None) -
     if path.exists():
         return path
     names = ", ".join(entry.name for entry in entries) or "none"
-    raise InputError(f"{wanted}: neither an avatar's name (there are: {names}) nor a file; check the spelling or the path")
+    raise InputError(f"{wanted}: neither an avatar's name (there are: {names}) nor a file; check the spelling")

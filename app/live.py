@@ -95,7 +95,7 @@ def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator
 
 
 def draw(stage: Stage, pose: Pose) -> Image:
-    """One picture of the avatar: compose, turn the head, splat; [H, W, 3] over the background, or [H, W, 4] straight alpha."""
+    """One picture: compose, turn the head, splat; [H, W, 3] over the background, or [H, W, 4] with straight alpha."""
     gem, watch = stage.gem, stage.watch
     with watch("compose"):
         splats = gem.compose(pose.coefficients, stage.components, out=stage.splats)
@@ -123,7 +123,7 @@ def run_offline(
     Whatever interrupts it (Ctrl-C, a full disk), the sink is closed, so that what was written stays playable.
     """
     whole = False
-    writer = Behind(lambda shot: sink.write(*shot))
+    writer: Behind[tuple[int, Image, int]] = Behind(lambda shot: sink.write(*shot))
     try:
         for index, (frame, pose, pts) in enumerate(ahead(performance)):
             picture = NOTHING if sink.has(index) else finish(draw(stage, pose), frame)

@@ -22,6 +22,9 @@ class NeutralRule:
     value: str = ""
 
 
+AUTO = NeutralRule("auto")
+
+
 def read_rule(text: str) -> NeutralRule:
     """The rule behind the word after ``--neutral``. Raises UsageError."""
     kind, _, value = text.partition("=")
@@ -64,7 +67,7 @@ def _chosen(source: Source, tracker: FaceTracker) -> NeutralChoice:
             if (face := tracker.track(frame.rgb)) is not None:
                 return neutral_of(face, 0, frame.seconds, "the only moment with a face among those looked at")
         raise NoFaceError(
-            f"{source.path}: no face in the whole clip; give one where a face is at least a tenth of the picture's height"
+            f"{source.path}: no face in the whole clip; give one where a face fills a tenth of the height or more"
         )
     return choose_neutral(faces, [frame.seconds for frame in frames])
 
@@ -94,7 +97,7 @@ def _given(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralCh
 
 
 def _look_twice(tracker: FaceTracker, frame: Frame) -> FaceObservation | None:
-    """The second look starts from the landmarks of the first, as in a running video: the same crop, the same features."""
+    """The second look starts from the landmarks of the first, as in a running video: the same crop and features."""
     return tracker.track(frame.rgb) and tracker.track(frame.rgb)
 
 

@@ -10,14 +10,16 @@ from .sinks import VIDEO_SUFFIXES
 def plan_outputs(drivers: list[str], out: str, transparent: bool) -> list[tuple[str, Path]]:
     """Each driver with its result.
 
-    One driver: ``out`` itself when it ends like a video or is to be a folder of PNGs. Several drivers: ``out`` is a folder
-    and holds one video each (one folder of PNGs each when transparent), named like the driver.
+    One driver: ``out`` itself, a video by its suffix, else a folder of PNGs. Several drivers: ``out`` is a folder and
+    holds one video each (one folder of PNGs each when transparent), named like the driver.
     Raises UsageError and OutputError.
     """
     path = Path(out)
     if len(drivers) == 1:
         if path.suffix and path.suffix.lower() not in VIDEO_SUFFIXES and not path.is_dir() and not out.endswith(os.sep):
-            raise UsageError(f"-o {out}: cannot write {path.suffix}; end it in {', '.join(VIDEO_SUFFIXES)}, or name a folder")
+            raise UsageError(
+                f"-o {out}: cannot write {path.suffix}; end it in {', '.join(VIDEO_SUFFIXES)}, or name a folder"
+            )
         if path.suffix.lower() in VIDEO_SUFFIXES and path.is_dir():
             raise OutputError(f"{out}: is a folder; choose another name for the video")
         results = [path]

@@ -27,7 +27,9 @@ class ProgressBar:
         self._bar.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._bar.stop()
 
     def begin(self, name: str, frames: int | None) -> None:
@@ -38,6 +40,10 @@ class ProgressBar:
         """One frame is drawn."""
         speed = self._bar.tasks[self._task].speed
         self._bar.update(self._task, advance=1, rate=f"{speed:.0f} frames/s" if speed else "")
+
+    def reach(self, done: int) -> None:
+        """So many are done."""
+        self._bar.update(self._task, completed=done)
 
     def say(self, text: str) -> None:
         """One line above the bar."""

@@ -15,7 +15,7 @@ from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError
 from .following import Actor
 from .frames import Frame
 from .live import Image, Stage, perform, run_offline
-from .neutrals import NeutralRule, find_neutral
+from .neutrals import AUTO, NeutralRule, find_neutral
 from .outputs import is_video, plan_outputs
 from .performance import Pose
 from .portrait import portrait
@@ -36,7 +36,7 @@ class Wish:
     avatar: Path
     components: int | None = None
     size: tuple[int, int] = (512, 512)
-    neutral: NeutralRule = NeutralRule("auto")
+    neutral: NeutralRule = AUTO
     side_by_side: bool = False
     background: tuple[float, float, float] | None = (0.75, 0.75, 0.75)
     head_pose: bool = True
@@ -62,8 +62,8 @@ class Cast:
 def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None, quiet: bool = False) -> ExitCode:
     """Play every driver into its result and say how it went; one failure does not stop the others.
 
-    Returns the exit code: OK, INTERRUPTED, or that of the first driver that failed. Raises CommandError for what concerns
-    them all: the avatar, the track, the way the results are named.
+    Returns OK, INTERRUPTED, or the exit code of the first driver that failed. Raises CommandError for what concerns
+    them all: the avatar, the track, the names of the results.
     """
     started = time.perf_counter()
     if not drivers and wish.track is None:
@@ -99,7 +99,7 @@ def _opened(wish: Wish, followed: bool) -> Cast:
     track = load_track(wish.track) if wish.track else None
     if track and track.avatar_sha256 != avatar.sha256:
         raise InputError(
-            f"{wish.track}: was made for {track.avatar}, not for {avatar.path}; give --avatar {track.avatar} or track again"
+            f"{wish.track}: was made for {track.avatar}, not for {avatar.path}; give that avatar, or track again"
         )
     if track is None:
         expression_of(avatar, wish.driving)  # fails now rather than after the tracker and the engine have started
@@ -170,8 +170,7 @@ class _Run:
         stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
         sink = self._sink((width + extra, height), timing.time_base, timing.rate, source)
         self.left = sink.partial
-        total = len(cast.track.pts) if cast.track else source and source.frame_count
-        self._bar.begin(self._result.name, total)
+        self._bar.begin(self._result.name, timing.frame_count)
 
         def finish(picture: Image, frame: Frame | None) -> Image:
             return side_by_side(frame.rgb, picture, extra) if extra and frame else picture
@@ -181,12 +180,13 @@ class _Run:
         finally:
             self.seconds = time.perf_counter() - self._started
         if cast.track is None and self.tally.without_face == self.tally.frames:
-            raise NoFaceError(f"{driver}: no face in any frame, so {self._result} only shows the avatar at rest; check the clip")
+            raise NoFaceError(f"{driver}: no face in any frame; {self._result} shows the avatar at rest")
 
     def _performance(self, source: Source | None) -> Iterable[tuple[Frame | None, Pose, int]]:
         if self._cast.track is not None:
-            return self._cast.track if source is None else _paired(self._cast.track, source)
-        assert source is not None and self._cast.tracker is not None
+            return iter(self._cast.track) if source is None else _paired(self._cast.track, source)
+        assert source is not None
+        assert self._cast.tracker is not None
         with self.watch("neutral"):
             neutral = find_neutral(self._wish.neutral, source, self._cast.tracker)
         self.neutral = {

@@ -55,14 +55,22 @@ class VideoSink:
     """H.264 in fragments (or VP9, ProRes with alpha), timestamps as given, sound copied from the driver."""
 
     def __init__(
-        self, path: Path, size: tuple[int, int], time_base: Fraction, rate: Fraction, transparent: bool, audio: Path | None
+        self,
+        path: Path,
+        size: tuple[int, int],
+        time_base: Fraction,
+        rate: Fraction,
+        transparent: bool,
+        audio: Path | None,
     ) -> None:
         """``audio`` names a file whose first sound track is copied beside the pictures. Raises OutputError."""
         self.path, self.partial = path, partial_name(path)
         codec, pixels = video_codec(path.suffix.lower(), transparent)
         with _told(self.partial, 0):
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._container = av.open(str(self.partial), "w", options=_container_options(path.suffix.lower(), time_base))
+            self._container = av.open(
+                str(self.partial), "w", options=_container_options(path.suffix.lower(), time_base)
+            )
             stream: Any = self._container.add_stream(codec, rate=rate, options=_OPTIONS.get(codec, {}))
         stream.width, stream.height, stream.pix_fmt = *size, pixels
         stream.time_base = stream.codec_context.time_base = time_base
@@ -150,7 +158,7 @@ def is_whole(path: Path) -> bool:
 
 
 def video_codec(suffix: str, transparent: bool) -> tuple[str, str]:
-    """Encoder and pixel format for a file suffix. Raises UsageError where alpha is impossible, OutputError without encoder."""
+    """Encoder and pixel format for a suffix. Raises UsageError where alpha is impossible, OutputError if none is."""
     if suffix not in VIDEO_SUFFIXES:
         raise UsageError(f"cannot write {suffix!r} files; name the result .mp4, .mov, .webm, or a folder for PNGs")
     if transparent:
@@ -176,7 +184,7 @@ def has_encoder(codec: str) -> bool:
 def _container_options(suffix: str, time_base: Fraction) -> dict[str, str]:
     """A file that plays however it ends: fragments, flushed as they fill.
 
-    The edit list that keeps a late first picture late counts in the movie's time scale, so that one is set to the stream's.
+    The edit list that keeps a late first picture late counts in the movie's time scale: that one is the stream's.
     """
     if suffix == ".webm":
         return {"flush_packets": "1"}
@@ -196,4 +204,6 @@ def _told(path: Path, frames: int) -> Iterator[None]:
         left = f"; the {frames} frames written so far are in {path}" if frames else ""
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             raise OutputError(f"{path}: no space left{left}; free some space and run again") from error
-        raise OutputError(f"{path}: cannot be written ({error.strerror}){left}; check the path and its permissions") from error
+        raise OutputError(
+            f"{path}: cannot be written ({error.strerror}){left}; check the path and its permissions"
+        ) from error

@@ -1,4 +1,4 @@
-"""Whether somebody is there to be followed, and how much of them the avatar shows: a pure state machine over presence and time."""
+"""Whether somebody is there to be followed, and how much of them the avatar shows: pure, over presence and time."""
 
 from dataclasses import dataclass, replace
 from enum import Enum

@@ -32,6 +32,11 @@ class Track:
     """[F] presentation times in units of ``time_base``, rising."""
     poses: tuple[Pose, ...]
 
+    @property
+    def frame_count(self) -> int:
+        """F."""
+        return len(self.poses)
+
     def __iter__(self) -> Iterator[tuple[None, Pose, int]]:
         for pose, pts in zip(self.poses, self.pts, strict=True):
             yield None, pose, int(pts)
@@ -63,7 +68,7 @@ def save_track(track: Track, path: Path) -> None:
         partial.replace(path)
     except OSError as error:
         partial.unlink(missing_ok=True)
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder and the free space") from error
+        raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder") from error
 
 
 def load_track(path: Path) -> Track:
@@ -72,10 +77,12 @@ def load_track(path: Path) -> Track:
 
     try:
         if path.stat().st_size > MAX_BYTES:
-            raise InputError(f"{path}: larger than {MAX_BYTES >> 20} MB, which no track is; give a file of `gemheads track`")
+            raise InputError(
+                f"{path}: larger than {MAX_BYTES >> 20} MB, as no track is; give a file of `gemheads track`"
+            )
         with safe_open(str(path), framework="numpy") as file:
             about = json.loads((file.metadata() or {}).get(FORMAT, "null"))
-            tensors = {name: file.get_tensor(name) for name in file.keys()}
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (no mapping)
         return _checked(about, tensors)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path") from error

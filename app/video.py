@@ -34,7 +34,7 @@ class VideoFile:
         self.size = (first.rgb.shape[1], first.rgb.shape[0])
 
     def frames(self) -> Iterator[Frame]:
-        """All frames in order of presentation. Damaged packets are passed over. Raises InputError when no frame can be had."""
+        """All frames in order of presentation; damaged packets are passed over. Raises InputError without any."""
         last: int | None = None
         with _opened(self.path) as container:
             stream = _video_stream(container, self.path)
@@ -46,10 +46,10 @@ class VideoFile:
                     last = frame.pts
                     yield frame
         if last is None:
-            raise InputError(f"{self.path}: the clip holds no picture (zero length?); give a video with at least one frame")
+            raise InputError(f"{self.path}: the clip holds no picture (zero length?); give one with at least one frame")
 
     def samples(self, count: int) -> list[Frame]:
-        """Up to ``count`` frames spread over the clip: of long clips the key frames, which can be reached without decoding."""
+        """Up to ``count`` frames spread over the clip: of long clips the key frames, which cost no decoding."""
         if self.frame_count is None or self.frame_count > WHOLE_CLIP_FRAMES:
             found = self._key_frames(count)
             if len(found) >= min(FEWEST_SAMPLES, count):
@@ -101,9 +101,9 @@ def _opened(path: Path) -> Any:
             raise InputError(f"{path}: the file is empty (0 bytes); copy it again")
         return av.open(str(path))
     except av.error.FFmpegError as error:
-        raise InputError(f"{path}: not a video that can be read ({error.strerror}); give mp4, mov, mkv or webm") from error
+        raise InputError(f"{path}: not a readable video ({error.strerror}); give mp4, mov, mkv or webm") from error
     except OSError as error:
-        raise InputError(f"{path}: cannot be opened ({error.strerror}); check the path and its permissions") from error
+        raise InputError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
 
 
 def _video_stream(container: Any, path: Path) -> Any:
@@ -129,7 +129,7 @@ def _decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
 
 
 def _upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
-    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix (phones film sideways and say so in the file)."""
+    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there."""
     scale = min(1.0, LONGEST_SIDE / max(picture.width, picture.height))
     if scale < 1:
         picture = picture.reformat(max(1, round(picture.width * scale)), max(1, round(picture.height * scale)), "rgb24")

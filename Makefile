@@ -1,0 +1,59 @@
+# make demo     a moving avatar in demo.mp4, from a fresh clone
+# make test     everything that is checked: lint, types, layers, tests
+# make avatars  rebuild assets/avatars from their ingredients
+# make lint     the quick half of make test
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SYSTEM_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
+SYSTEM := build/system.stamp
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: demo test avatars lint clean
+
+demo: $(VENV)/base.stamp $(VENV)/warm.stamp
+	$(BIN)/gemheads demo
+
+test: lint
+	$(BIN)/pytest
+
+lint: $(VENV)/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/basedpyright
+	$(BIN)/lint-imports
+
+avatars: $(VENV)/avatars.stamp
+	$(BIN)/python -m gemheads.models.heads
+
+# The drawing kernels are compiled once (half a minute) and kept, so that no picture ever waits for them.
+$(VENV)/warm.stamp: $(VENV)/base.stamp $(wildcard render/*.py models/posing.py models/gem.py)
+	@echo "Compiling the drawing kernels, once (up to half a minute) ..."
+	@$(BIN)/python -m gemheads.app.warm
+	@touch $@
+
+$(VENV)/base.stamp: $(VENV)/bin/python pyproject.toml constraints.txt $(SYSTEM)
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	@touch $@
+
+$(VENV)/dev.stamp: $(VENV)/base.stamp
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[train,dev]'
+	@touch $@
+
+$(VENV)/avatars.stamp: $(VENV)/base.stamp
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[avatars]'
+	@touch $@
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "gemheads needs Python 3.11 or newer; name one: make demo PYTHON=/path/to/python3.12"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || .ci/system-packages python3-venv
+	$(PYTHON) -m venv $(VENV)
+
+$(SYSTEM):
+	@.ci/system-packages $(SYSTEM_PACKAGES)
+	@mkdir -p $(dir $@) && touch $@
+
+clean:
+	rm -rf $(VENV) build

@@ -1,0 +1,35 @@
+"""The first minute: a shipped avatar acts what the shipped clip does."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Literal
+
+from .casting import open_avatar
+from .errors import ExitCode, InputError
+from .library import DEMO_CLIP, find_avatar
+from .reenact import Wish, reenact
+
+
+def run_demo(out: str, avatar: str | None, engine: Literal["auto", "quads", "software"], window: bool) -> ExitCode:
+    """Write the demo video, say where it is, and play it where there is a display. Raises CommandError."""
+    if not DEMO_CLIP.is_file():
+        raise InputError(f"{DEMO_CLIP}: the demo clip is missing; restore the folder assets/demo of the repository")
+    path = find_avatar(avatar)
+    learned = open_avatar(path).gem.regressor is not None
+    wish = Wish(path, side_by_side=True, engine=engine, driving="learned" if learned else "baseline")
+    code = reenact([str(DEMO_CLIP)], out, wish)
+    if code is ExitCode.OK:
+        print(f"Done: open {Path(out).resolve()}; the face of the clip is on the left, the avatar on the right.")
+        if window and has_display():
+            from .player import play
+
+            play(Path(out))
+    return code
+
+
+def has_display() -> bool:
+    """Whether a window can be opened here."""
+    if sys.platform.startswith("linux"):
+        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return True

@@ -1,0 +1,69 @@
+"""Splats as PLY files, which other viewers open: one expression, or a performance frame by frame."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models import arkit
+from ..models.gem import Gem
+from ..models.ply import save_ply
+from ..models.posing import pose_head
+from .casting import check_components, open_avatar
+from .errors import InputError, OutputError, UsageError
+from .tracks import load_track
+
+
+def export_expression(avatar: Path, out: Path, weights: list[str], components: int | None = None) -> None:
+    """One PLY of the expression with these ``name=value`` ARKit weights; without any, at rest. Raises CommandError."""
+    opened = open_avatar(avatar)
+    check_components(opened, components)
+    gem = opened.gem
+    coefficients = gem.rest_coefficients
+    if weights:
+        if gem.arkit_weights is None:
+            raise InputError(f"{avatar}: knows no ARKit shapes, so --set cannot be used; export a track instead")
+        coefficients = gem.clamped(gem.arkit_coefficients(read_weights(weights)))
+    _write(gem, [(out, coefficients, np.zeros(3, np.float32))], components)
+
+
+def export_track(avatar: Path, track: Path, out: Path, components: int | None = None) -> None:
+    """A folder of numbered PLYs, the head's pose included. Raises CommandError."""
+    opened = open_avatar(avatar)
+    check_components(opened, components)
+    poses = load_track(track).poses
+    if poses[0].coefficients.shape != (opened.gem.coefficient_count,):
+        raise InputError(f"{track}: was made for another avatar than {avatar}; give the one it names")
+    shots = ((out / f"frame_{i:06d}.ply", pose.coefficients, pose.turn) for i, pose in enumerate(poses))
+    _write(opened.gem, shots, components)
+
+
+def read_weights(words: list[str]) -> NDArray[np.float32]:
+    """[52] ARKit weights of ``name=value`` words; the others are 0. Raises UsageError."""
+    weights = np.zeros(len(arkit.NAMES), np.float32)
+    for word in words:
+        name, _, value = word.partition("=")
+        if name not in arkit.NAMES:
+            raise UsageError(f"--set {word}: no ARKit shape is called {name!r}; such as jawOpen or mouthSmileLeft")
+        try:
+            weight = float(value)
+        except ValueError:
+            weight = float("nan")
+        if not -2 <= weight <= 2:
+            raise UsageError(f"--set {word}: the weight must be a number from -2 to 2, such as {name}=0.5")
+        weights[arkit.NAMES.index(name)] = weight
+    return weights
+
+
+def _write(
+    gem: Gem, shots: Iterable[tuple[Path, NDArray[np.float32], NDArray[np.float32]]], components: int | None
+) -> None:
+    for path, coefficients, turn in shots:
+        splats = gem.compose(coefficients, components)
+        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, turn, np.zeros(3, np.float32))
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            save_ply(splats, path)
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder") from error

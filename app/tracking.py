@@ -1,0 +1,56 @@
+"""A driver into a coefficient track: everything of reenactment but the drawing."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from ..models.driver.face import FaceTracker
+from .casting import Driving, expression_of, open_avatar
+from .errors import ExitCode, NoFaceError
+from .following import Actor
+from .live import perform
+from .neutrals import NeutralRule, find_neutral
+from .performance import Pose
+from .progress import ProgressBar
+from .reports import Tally
+from .sources import open_source
+from .threads import ahead
+from .timing import Stopwatch
+from .tracks import Track, save_track
+
+
+def run_tracking(
+    driver: str, out: Path, avatar: Path, rule: NeutralRule, driving: Driving, rate: Fraction = Fraction(30)
+) -> ExitCode:
+    """Follow the face of ``driver`` and save what the avatar would do. Raises CommandError.
+
+    Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
+    """
+    source = open_source(driver, rate)
+    cast = open_avatar(avatar)
+    tracker = FaceTracker()
+    express = expression_of(cast, driving)
+    neutral = find_neutral(rule, source, tracker)
+    actor = Actor(tracker, neutral, express, cast.gem, cast.lids)
+    poses: list[Pose] = []
+    times: list[int] = []
+    tally, code = Tally(), ExitCode.OK
+    with ProgressBar() as bar:
+        bar.say(f"neutral: {neutral.reason}")
+        bar.begin(out.name, source.frame_count)
+        try:
+            for _, pose, pts in perform(actor, ahead(source.frames()), Stopwatch()):
+                poses.append(pose)
+                times.append(pts)
+                tally.add(pose)
+                bar.advance()
+        except KeyboardInterrupt:
+            code = ExitCode.INTERRUPTED
+        if tally.without_face == tally.frames:
+            raise NoFaceError(f"{driver}: no face in any frame, so there is nothing to keep; check the clip")
+        pts_array = np.array(times, np.int64)
+        track = Track(cast.gem.name, cast.sha256, source.time_base, source.rate, pts_array, tuple(poses))
+        save_track(track, out)
+        bar.say(f"{out}: {tally.frames} frames, {tally.without_face} of them without a face")
+    return code

@@ -1,0 +1,36 @@
+"""Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
+
+from pathlib import Path
+
+from .errors import ExitCode, InputError
+from .progress import ProgressBar
+
+
+def run_training(
+    avatar: Path, out: Path | None, videos: list[Path], companions: list[Path], pictures: int, steps: int, seed: int
+) -> ExitCode:
+    """Train the regressor of an avatar file and save the avatar with it. Raises InputError."""
+    try:
+        from ..models.train.train_regressor import train_regressor
+    except ImportError as error:
+        raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
+    for video in videos:
+        if not video.is_file():
+            raise InputError(f"{video}: no such video; check the path")
+    with ProgressBar() as bar:
+        stages: list[str] = []
+
+        def tell(stage: str, done: int, total: int) -> None:
+            if stage not in stages:
+                stages.append(stage)
+                bar.begin(stage, total)
+            bar.reach(done)
+
+        report = train_regressor(
+            avatar, out, companions=companions, videos=videos, pictures=pictures, steps=steps, seed=seed, progress=tell
+        )
+    print(
+        f"{out or avatar}: regressor trained on {report.pictures} pictures; the avatar's response is known to"
+        f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
+    )
+    return ExitCode.OK
