@@ -1,0 +1,96 @@
+"""A tiny avatar and tiny clips, made here: no test needs a network, a camera or a shipped file."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
+from gemheads.models.gemfile import save_gem
+
+SPLATS, COMPONENTS = 400, 6
+
+
+def tiny_gem(seed: int = 0) -> Gem:
+    """A ball of splats the size of a head, with orthonormal components and a map from ARKit weights."""
+    rng = np.random.default_rng(seed)
+    directions = rng.normal(size=(SPLATS, 3))
+    positions = 0.1 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    means = {
+        "position": positions,
+        "rotation": np.tile([1.0, 0, 0, 0], (SPLATS, 1)),
+        "scale": np.full((SPLATS, 3), np.log(0.008)),
+        "opacity": np.full((SPLATS, 1), 3.0),
+    }
+    bases = {}
+    for name in MODALITIES:
+        width = SPLATS * CHANNELS[name]
+        components = np.linalg.qr(rng.normal(size=(width, COMPONENTS)))[0].T
+        rows = np.ascontiguousarray(np.vstack([means[name].reshape(1, -1), components]), np.float32)
+        bases[name] = Basis(rows, np.linspace(0.05, 0.02, COMPONENTS, dtype=np.float32))
+    return Gem(
+        name="tiny",
+        bases=bases,
+        colors=rng.uniform(0.2, 0.9, (SPLATS, 3)).astype(np.float32),
+        neck_weights=np.ones(SPLATS, np.float32),
+        neck_pivot=np.array([0, -0.1, 0], np.float32),
+        uv_index=np.stack([np.arange(SPLATS) % 64, np.arange(SPLATS) // 64], 1).astype(np.uint16),
+        uv_size=64,
+        viewing=Viewing((0.0, 0.0, 0.0), 0.2),
+        arkit_weights=rng.normal(0, 0.01, (52, 4 * COMPONENTS)).astype(np.float32),
+        about={"author": "test", "licence": "CC0", "consent": "synthetic", "source": "random numbers"},
+    )
+
+
+@pytest.fixture(scope="session")
+def tiny(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An avatar's file without a regressor."""
+    path = tmp_path_factory.mktemp("avatars") / "tiny.gem"
+    save_gem(tiny_gem(), path)
+    return path
+
+
+Clip = Callable[..., Path]
+
+
+@pytest.fixture
+def make_clip(tmp_path: Path) -> Clip:
+    """Writes a video of noise-free gradients with given timestamps, optionally with a tone as its sound."""
+
+    def make(
+        name: str = "clip.mp4",
+        pts: tuple[int, ...] = (0, 1001, 2002, 3003),
+        time_base: Fraction = Fraction(1, 30000),
+        size: tuple[int, int] = (96, 64),
+        sound: bool = False,
+        rotation: int = 0,
+    ) -> Path:
+        path = tmp_path / name
+        options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": str(time_base.denominator)}
+        with av.open(str(path), "w", options=options) as container:
+            stream = container.add_stream("mpeg4", rate=30, options={"qscale": "2"})
+            stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
+            stream.time_base = stream.codec_context.time_base = time_base
+            if rotation:
+                stream.set_display_rotation(rotation)
+            audio = container.add_stream("aac", rate=48000, layout="mono") if sound else None
+            for index, instant in enumerate(pts):
+                image = np.zeros((size[1], size[0], 3), np.uint8)
+                image[: size[1] // 2, : size[0] // 2] = 120 + index
+                frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+                frame.pts, frame.time_base = instant, time_base
+                container.mux(stream.encode(frame))
+            container.mux(stream.encode())
+            if audio:
+                samples = np.sin(np.arange(48000) * 0.05).astype(np.float32)[None]
+                for start in range(0, round(48000 * float(pts[-1] * time_base)) or 1024, 1024):
+                    tone = av.AudioFrame.from_ndarray(samples[:, start % 40960 :][:, :1024], format="fltp", layout="mono")
+                    tone.pts, tone.sample_rate, tone.time_base = start, 48000, Fraction(1, 48000)
+                    container.mux(audio.encode(tone))
+                container.mux(audio.encode())
+        return path
+
+    return make
