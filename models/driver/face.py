@@ -15,6 +15,7 @@ from .region import Region, eye_line_tilt, region_around
 
 _CROP = 256
 _LEAST_PRESENCE = 0.5
+_LEAST_REGION_PX = 8.0
 _LEAST_SIDE, _MOST_SIDE = 16, 16384
 _SAME_FACE = 0.2
 """Two boxes that overlap more than this (intersection over union) are the same face a moment later."""
@@ -111,6 +112,8 @@ class FaceTracker:
 
     def _look(self, rgb: NDArray[np.uint8], region: Region, faces: int | None) -> FaceObservation | None:
         """Landmarks inside a region and all that follows from them; None when there is no face in it."""
+        if not region.size >= _LEAST_REGION_PX:
+            return None
         crop = region.crop(rgb, _CROP)
         raw, presence_logit, embedding = self._landmarks((crop.astype(np.float32) * np.float32(1 / 255))[None])
         presence = 1 / (1 + float(np.exp(-np.clip(presence_logit.item(), -80, 80))))

@@ -1,5 +1,7 @@
 """Following a face through real pictures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gemheads.models.driver import points
@@ -109,3 +111,9 @@ def test_a_view_of_an_image_is_an_image(tracker: FaceTracker, frames: Frames) ->
 def _other_side(name: str) -> str:
     swaps = {"Left": "Right", "Right": "Left"}
     return next((name.removesuffix(side) + other for side, other in swaps.items() if name.endswith(side)), name)
+
+
+def test_a_locked_speck_is_no_face(tracker: FaceTracker, frames: Frames) -> None:
+    face = tracker.detect(frames[0])[0]
+    tracker.lock(replace(face, region=replace(face.region, size=0.0)))
+    assert seen(tracker.track(frames[0])).faces == 1  # found by the detector instead
