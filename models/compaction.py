@@ -32,7 +32,8 @@ def compact(modality: str, basis: Basis, kind: str) -> Compact:
     Compacting what ``expand`` gives changes nothing: the splats kept are those that move visibly after rounding, and
     scales have 16 significant bits, so that 127 of them are an exact float32.
     """
-    components = basis.components.reshape(len(basis), -1, CHANNELS[modality])
+    splats = basis.rows.shape[1] // CHANNELS[modality]
+    components = basis.components.reshape(len(basis), splats, CHANNELS[modality])
     kept = np.flatnonzero(_moves(modality, components, basis.sigma))
     while True:
         values, scale = _rounded(components[:, kept], kind)
@@ -44,7 +45,8 @@ def compact(modality: str, basis: Basis, kind: str) -> Compact:
 
 def expand(stored: Compact, out: NDArray[np.float32]) -> None:
     """Writes components into ``out`` [K, N * C], which holds zeros."""
-    target = out.reshape(len(out), -1, stored.values.shape[2])
+    channels = stored.values.shape[2]
+    target = out.reshape(len(out), out.shape[1] // channels, channels)
     for row, values, scale in zip(target, stored.values, stored.scale, strict=True):
         row[stored.kept] = values.astype(np.float32) * scale
 
