@@ -7,6 +7,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from ..models.wholefile import write_whole
 from .errors import OutputError
 from .performance import Pose
 from .state import Phase
@@ -79,7 +80,7 @@ def write_report(path: Path, settings: dict[str, Any], outcomes: list[Outcome]) 
     report = {"settings": settings, "runs": runs, "versions": versions()}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(report, indent=2) + "\n")
+        write_whole(path, [(json.dumps(report, indent=2) + "\n").encode()])
     except OSError as error:
         raise OutputError(f"{path}: the report cannot be written ({error.strerror}); check the folder") from error
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.wholefile import write_whole
 from .errors import InputError, OutputError
 from .performance import Pose
 from .state import Phase
@@ -61,13 +62,10 @@ def save_track(track: Track, path: Path) -> None:
         "time_base": str(track.time_base),
         "rate": str(track.rate),
     }
-    partial = path.with_name(path.name + ".partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_bytes(save(tensors, {FORMAT: json.dumps(about, sort_keys=True)}))
-        partial.replace(path)
+        write_whole(path, [save(tensors, {FORMAT: json.dumps(about, sort_keys=True)})])
     except OSError as error:
-        partial.unlink(missing_ok=True)
         raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder") from error
 
 
@@ -95,8 +93,9 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
         raise ValueError(f"no {FORMAT} of version {VERSION}")
     if set(tensors) != set(_TENSORS):
         raise ValueError(f"tensors {sorted(tensors)}, expected {sorted(_TENSORS)}")
-    frames = len(tensors["pts"]) if tensors["pts"].ndim == 1 else 0
-    width = tensors["coefficients"].shape[-1]
+    if tensors["pts"].ndim != 1 or tensors["coefficients"].ndim != 2:
+        raise ValueError("pts must be [F] and coefficients [F, n]")
+    frames, width = tensors["coefficients"].shape
     shapes = {"pts": (), "coefficients": (width,), "turn": (3,), "phase": (), "faces": (), "clamped": ()}
     kinds = {"pts": np.int64, "coefficients": np.float32, "turn": np.float32, "phase": np.uint8, "faces": np.uint8}
     for name, values in tensors.items():

@@ -83,6 +83,8 @@ def make_clip(tmp_path: Path) -> Clip:
                 frame = av.VideoFrame.from_ndarray(image, format="rgb24")
                 frame.pts, frame.time_base = instant, time_base
                 container.mux(stream.encode(frame))
+            if not pts:
+                container.start_encoding()
             container.mux(stream.encode())
             if audio:
                 samples = np.sin(np.arange(48000) * 0.05).astype(np.float32)[None]

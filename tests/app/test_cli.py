@@ -1,0 +1,152 @@
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+
+from .conftest import Clip
+
+COMMANDS = ("reenact", "demo", "info", "modes", "export", "bench", "doctor", "track", "train-regressor")
+
+
+def run(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "gemheads.app.cli", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_help_names_every_command_and_the_exit_codes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    text = capsys.readouterr().out
+    for command in COMMANDS:
+        assert command in text
+    for code in ExitCode:
+        assert str(int(code)) in text
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_every_option(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, "--help"]) == 0
+    lines = [line.strip("│ \n") for line in capsys.readouterr().out.splitlines()]
+    bare = [line for line in lines if line.startswith("--") and len(line.split()) < 3]
+    assert not bare
+
+
+def test_help_is_quick() -> None:
+    """Half a second on an idle machine; against a bare interpreter, so that a busy one does not fail it."""
+
+    def fastest(*command: str) -> float:
+        times = []
+        for _ in range(3):
+            start = time.perf_counter()
+            subprocess.run(command, capture_output=True, check=True, timeout=60)
+            times.append(time.perf_counter() - start)
+        return min(times)
+
+    bare = fastest(sys.executable, "-c", "import argparse")
+    assert fastest(sys.executable, "-m", "gemheads.app.cli", "--help") < max(0.5, 12 * bare)
+
+
+LIGHT = """
+import sys
+from gemheads.app.cli import main
+main(["--help"])
+heavy = {"numpy", "numba", "av", "cv2", "onnxruntime", "moderngl", "torch"} & set(sys.modules)
+assert not heavy, heavy
+"""
+NO_TORCH = """
+import sys
+sys.modules["torch"] = None  # importing it now raises
+from gemheads.app import bench, cli, demo, doctor, export, info, live, modes, player, reenact, tracking, training, warm
+cli.main(["info"])
+"""
+
+
+@pytest.mark.parametrize("program", [LIGHT, NO_TORCH], ids=["help imports nothing heavy", "no torch outside training"])
+def test_what_is_imported(program: str) -> None:
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
+    """Exit code and the one line on stderr."""
+    code = main(list(words))
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert error.count("\n") == 1
+    assert "Traceback" not in error
+    return code, error
+
+
+def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
+    avatar = ("--avatar", str(tiny), "--driver", "baseline")
+    for words, said in (
+        (("reenact", "a.mp4"), "--out requires an argument"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--nonsense"), "--nonsense"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--size", "5", *avatar), "512x512"),
+        (("reenact", "-o", "b.mp4", *avatar), "no driver given"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--background", "transparent", *avatar), "cannot be transparent"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--components", "99", *avatar), "stores 6"),
+        (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
+    ):
+        code, error = told(capsys, *words)
+        assert code == ExitCode.USAGE, error
+        assert said in error
+
+
+def test_unusable_inputs(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path, make_clip: Clip) -> None:
+    clip, out = str(make_clip()), str(tmp_path / "out.mp4")
+    (tmp_path / "text.gem").write_text("no avatar")
+    avatar = ("--avatar", str(tiny), "--driver", "baseline")
+    for words, said in (
+        ((clip, "--avatar", "nobody"), "neither an avatar's name"),
+        ((clip, "--avatar", str(tmp_path / "text.gem")), "text.gem"),
+        ((clip, "--avatar", str(tiny)), "has no regressor"),
+        ((str(tmp_path / "none.mp4"), *avatar), "no such file or folder"),
+        ((str(tiny), *avatar), "not a readable video"),
+        ((clip, "--track", str(tiny), *avatar), "not a track"),
+    ):
+        code, error = told(capsys, "reenact", *words, "-o", out)
+        assert code == ExitCode.INPUT, error
+        assert said in error
+    assert not Path(out).exists()
+
+
+def test_nobody_in_the_picture(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path, make_clip: Clip) -> None:
+    out = str(tmp_path / "out.mp4")
+    words = ("reenact", str(make_clip()), "-o", out, "--avatar", str(tiny), "--driver", "baseline")
+    code, error = told(capsys, *words)
+    assert code == ExitCode.NO_FACE
+    assert "no face in the whole clip" in error
+    assert not Path(out).exists()
+
+
+def test_what_cannot_be_written(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    code, error = told(capsys, "export", str(tiny), "-o", str(tmp_path / "file" / "a.ply"))
+    assert code == ExitCode.OUTPUT
+    assert "cannot be written" in error
+
+
+def test_what_nobody_foresaw_is_one_line_and_debug_shows_where(monkeypatch: pytest.MonkeyPatch, tiny: Path) -> None:
+    import gemheads.app.export as export
+
+    def torn(*_: object) -> None:
+        raise ZeroDivisionError("of no use")
+
+    monkeypatch.setattr(export, "export_expression", torn)
+    assert main(["export", str(tiny), "-o", "a.ply"]) == ExitCode.UNEXPECTED
+    with pytest.raises(ZeroDivisionError):
+        main(["export", str(tiny), "-o", "a.ply", "--debug"])
+
+
+def test_ply_of_an_expression(tiny: Path, tmp_path: Path) -> None:
+    for name, words in (("rest", ()), ("open", ("--set", "jawOpen=1", "mouthSmileLeft=0.5"))):
+        assert main(["export", str(tiny), "-o", str(tmp_path / f"{name}.ply"), *words]) == 0
+    rest, opened = ((tmp_path / f"{name}.ply").read_bytes() for name in ("rest", "open"))
+    assert rest.startswith(b"ply\nformat binary_little_endian 1.0")
+    assert len(rest) == len(opened)
+    assert rest != opened

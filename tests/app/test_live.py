@@ -1,0 +1,187 @@
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from gemheads.app.following import Actor, Memory, turned_gain
+from gemheads.app.frames import Frame
+from gemheads.app.live import drive, perform
+from gemheads.app.performance import Pose
+from gemheads.app.reports import Tally
+from gemheads.app.state import Phase
+from gemheads.app.timing import Stopwatch
+from gemheads.models.driver.face import FaceObservation
+from gemheads.models.driver.neutral import neutral_of
+from gemheads.models.driver.points import SCORES
+from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
+
+from .conftest import tiny_gem
+
+GEM = tiny_gem()
+RNG = np.random.default_rng(3)
+MESH, IRISES = RNG.normal(size=(468, 3)), 0.2 * RNG.normal(size=(10, 3))
+RATE = 25
+
+
+def face(jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, float] = (100, 100)) -> FaceObservation:
+    """What a tracker would see of a face 80 pixels wide."""
+    pose = np.eye(4)
+    pose[:3, :3] = matrix_from_wxyz(wxyz_from_rotvec(np.asarray(turn, float)))
+    scores = np.zeros(len(SCORES), np.float32)
+    scores[SCORES.index("jawOpen")] = jaw
+    landmarks = np.tile([*at, 0.0], (478, 1))
+    landmarks[1, :2] += 80
+    return FaceObservation(
+        landmarks_px=landmarks,
+        presence=1.0,
+        scores=scores,
+        mixer=np.zeros(64, np.float32),
+        embedding=np.zeros(512, np.float32),
+        head_pose=pose,
+        metric_mesh=MESH,
+        metric_irises=IRISES,
+        image_size=(640, 480),
+        sharpness=0.01,
+        faces=None,
+    )
+
+
+@dataclass
+class ScriptedTracker:
+    """Sees what the script says, one entry an image."""
+
+    script: list[FaceObservation | None]
+    people: int = 1
+    resets: int = 0
+    seen: int = field(default=0)
+
+    def track(self, rgb: np.ndarray) -> FaceObservation | None:
+        self.seen += 1
+        return self.script[self.seen - 1]
+
+    def detect(self, rgb: np.ndarray) -> list[None]:
+        return [None] * self.people
+
+    def reset(self) -> None:
+        self.resets += 1
+
+
+def jaw_of(features: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """A regressor that puts the sum of the scores, in sigmas, on the first coefficient."""
+    from gemheads.models.driver.features import score
+
+    k = np.zeros(GEM.coefficient_count, np.float32)
+    k[0] = score(features, "jawOpen") * GEM.sigma[0]
+    return k
+
+
+def play(tracker: ScriptedTracker, images: list[np.ndarray] | None = None, head_pose: bool = True) -> list[Pose]:
+    lids = np.zeros(GEM.coefficient_count)
+    lids[1] = GEM.sigma[1]
+    actor = Actor(tracker, neutral_of(face(), 0, 0.0, "made up"), jaw_of, GEM, lids, head_pose)  # pyright: ignore[reportArgumentType]
+    images = images or [np.full((48, 64, 3), 90, np.uint8)] * len(tracker.script)
+    frames = [Frame(image, i, Fraction(1, RATE)) for i, image in enumerate(images)]
+    return [pose for _, pose, _ in perform(actor, frames, Stopwatch())]
+
+
+def first_sigmas(poses: list[Pose]) -> np.ndarray:
+    return np.array([pose.coefficients[0] / GEM.sigma[0] for pose in poses])
+
+
+def test_an_expression_arrives_and_a_neutral_face_is_at_rest() -> None:
+    poses = play(ScriptedTracker([face()] * 5 + [face(jaw=1.0)] * 15))
+    assert np.allclose(first_sigmas(poses[:5]), 0, atol=1e-6)
+    assert first_sigmas(poses)[-1] == pytest.approx(1, abs=0.05)
+    assert all(pose.phase is Phase.TRACKING for pose in poses)
+
+
+def test_the_head_turns_as_far_as_the_drivers_and_only_if_wanted() -> None:
+    script: list[FaceObservation | None] = [face(turn=(0, 0.3, 0))] * 20
+    assert play(ScriptedTracker(script))[-1].turn == pytest.approx([0, 0.3, 0], abs=1e-3)
+    assert play(ScriptedTracker(script), head_pose=False)[-1].turn.tolist() == [0, 0, 0]
+
+
+def test_a_lost_face_holds_then_rests_then_returns() -> None:
+    poses = play(ScriptedTracker([face(jaw=1.0)] * 10 + [None] * 40 + [face(jaw=1.0)] * 20))
+    jaw = first_sigmas(poses)
+    assert jaw[10:19] == pytest.approx([jaw[9]] * 9)  # 0.36 s
+    assert 0.05 < jaw[26] < 0.95
+    assert jaw[45] == pytest.approx(0, abs=1e-6)
+    assert jaw[51] < 0.5
+    assert jaw[-1] == pytest.approx(1, abs=0.05)
+    assert np.abs(np.diff(jaw)).max() < 0.3  # nothing jumps
+    assert [poses[i].phase for i in (9, 12, 30, 55)] == [Phase.TRACKING, Phase.HOLD, Phase.IDLE, Phase.TRACKING]
+
+
+def test_an_idle_avatar_breathes_and_blinks() -> None:
+    poses = play(ScriptedTracker([face()] + [None] * (RATE * 9)))
+    lids = np.array([pose.coefficients[1] / GEM.sigma[1] for pose in poses])
+    assert lids.max() > 0.7
+    assert np.ptp([pose.turn[0] for pose in poses[40:]]) > 0.005
+
+
+def test_somebody_else_waits_until_the_followed_face_is_given_up() -> None:
+    other = face(jaw=1.0, at=(400, 100))
+    poses = play(ScriptedTracker([face(at=(100, 100))] * 10 + [other] * 30))
+    phases = [pose.phase for pose in poses]
+    assert phases[10:19] == [Phase.HOLD] * 9
+    assert phases[25] is Phase.TRACKING
+    assert first_sigmas(poses)[-1] == pytest.approx(1, abs=0.1)
+
+
+def test_other_people_are_counted() -> None:
+    poses = play(ScriptedTracker([face()] * 4 + [None], people=2))
+    assert [pose.faces for pose in poses] == [2, 2, 2, 2, 0]
+
+
+def test_a_cut_looks_anew_and_does_not_smear() -> None:
+    dark, light = np.full((48, 64, 3), 30, np.uint8), np.full((48, 64, 3), 200, np.uint8)
+    tracker = ScriptedTracker([face()] * 5 + [face(jaw=1.0, at=(400, 50))] * 5)
+    poses = play(tracker, [dark] * 5 + [light] * 5)
+    assert [pose.cut for pose in poses] == [False] * 5 + [True] + [False] * 4
+    assert tracker.resets == 1
+    assert first_sigmas(poses)[5] == pytest.approx(1)
+
+
+def test_what_is_not_finite_keeps_the_last_good_expression() -> None:
+    poses = play(ScriptedTracker([face(jaw=1.0)] * 10 + [face(jaw=float("nan"))] * 3))
+    assert first_sigmas(poses)[10:] == pytest.approx(first_sigmas(poses)[9])
+
+
+def test_the_same_clip_gives_the_same_performance() -> None:
+    script = [face(jaw=float(j)) for j in RNG.random(30)] + [None] * 15
+    first, second = play(ScriptedTracker([*script])), play(ScriptedTracker([*script]))
+    assert all(np.array_equal(a.coefficients, b.coefficients) for a, b in zip(first, second, strict=True))
+
+
+def test_a_clamped_expression_is_counted() -> None:
+    poses = play(ScriptedTracker([face(jaw=3.0)] * 3))
+    assert poses[-1].clamped == pytest.approx(1 / GEM.coefficient_count)
+
+
+def test_expressions_fade_when_the_face_turns_away() -> None:
+    degrees = [0, 29, 37.5, 60]
+    gains = [turned_gain(np.radians([0, d, 0])) for d in degrees]
+    assert gains == pytest.approx([1, 1, 0.75, 0.5])
+    assert turned_gain(np.radians([0, 0, 60])) == 1
+
+
+def test_the_report_counts_losses_not_only_frames() -> None:
+    tally = Tally()
+    for pose in play(ScriptedTracker([face()] * 3 + [None] * 2 + [face()] * 2 + [None] * 3)):
+        tally.add(pose)
+    counted = tally.as_json()
+    assert counted["frames"] == 10
+    assert counted["frames_without_face"] == 5
+    assert counted["losses"] == 2
+
+
+def test_time_that_stands_still_changes_nothing_abruptly() -> None:
+    actor_frames = [Frame(np.full((48, 64, 3), 90, np.uint8), 0, Fraction(1, RATE))] * 2
+    tracker = ScriptedTracker([face(), face(jaw=1.0)])
+    actor = Actor(tracker, neutral_of(face(), 0, 0.0, ""), jaw_of, GEM, np.zeros(GEM.coefficient_count))  # pyright: ignore[reportArgumentType]
+    memory, _ = drive(actor, Memory(), actor_frames[0])
+    memory, pose = drive(actor, memory, actor_frames[1])
+    assert np.isfinite(pose.coefficients).all()

@@ -1,0 +1,198 @@
+"""The whole way, on a second of the clip that ships: video in, video out."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+import pytest
+
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+from gemheads.app.library import DEMO_CLIP
+
+pytestmark = pytest.mark.skipif(not DEMO_CLIP.is_file(), reason=f"the demo clip is missing: {DEMO_CLIP}")
+SIZE = ("--size", "64x64", "--engine", "software")
+
+
+def cut_clip(path: Path, pts: Sequence[int], hidden: range = range(0)) -> Path:
+    """The first frames of the demo clip with these times in 1/30000 s and a tone; in ``hidden`` nobody is seen."""
+    options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": "30000"}
+    with av.open(str(DEMO_CLIP)) as demo, av.open(str(path), "w", options=options) as out:
+        stream = out.add_stream("libx264", rate=30, options={"preset": "ultrafast", "bf": "0"})
+        source = demo.streams.video[0]
+        stream.width, stream.height, stream.pix_fmt = source.width, source.height, "yuv420p"
+        stream.time_base = stream.codec_context.time_base = Fraction(1, 30000)
+        audio = out.add_stream("aac", rate=48000, layout="mono")
+        for index, (picture, instant) in enumerate(zip(demo.decode(source), pts, strict=False)):
+            image = picture.to_ndarray(format="rgb24")
+            frame = av.VideoFrame.from_ndarray(np.full_like(image, 90) if index in hidden else image, format="rgb24")
+            frame.pts, frame.time_base = instant, Fraction(1, 30000)
+            out.mux(stream.encode(frame))
+        out.mux(stream.encode())
+        for start in range(0, 48000 * pts[-1] // 30000, 1024):
+            samples = np.sin(np.arange(start, start + 1024) * 0.05).astype(np.float32)[None]
+            tone = av.AudioFrame.from_ndarray(samples, format="fltp", layout="mono")
+            tone.pts, tone.sample_rate, tone.time_base = start, 48000, Fraction(1, 48000)
+            out.mux(audio.encode(tone))
+        out.mux(audio.encode())
+    return path
+
+
+VARIABLE = tuple(int(t) for t in np.cumsum([2002, *[1001, 1500, 500, 1001] * 6]))
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Path:
+    return cut_clip(tmp_path / "talk.mp4", VARIABLE)
+
+
+def play(tiny: Path, *words: str | Path) -> int:
+    return main(["reenact", *map(str, words), "--avatar", str(tiny), "--driver", "baseline", *SIZE])
+
+
+def times(path: Path) -> list[Fraction]:
+    with av.open(str(path)) as container:
+        return [frame.pts * frame.time_base for frame in container.decode(video=0)]
+
+
+def pictures(path: Path) -> np.ndarray:
+    with av.open(str(path)) as container:
+        return np.stack([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
+
+
+def sound(path: Path) -> list[bytes]:
+    with av.open(str(path)) as container:
+        return [bytes(packet) for packet in container.demux(audio=0) if packet.size]
+
+
+def test_times_are_exact_sound_is_copied_and_the_report_tells(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    out, report = tmp_path / "out.mp4", tmp_path / "report.json"
+    assert play(tiny, clip, "-o", out, "--report", report) == 0
+    assert times(out) == times(clip) == [Fraction(t, 30000) for t in VARIABLE]
+    assert sound(out) == sound(clip)
+    told = json.loads(report.read_text())
+    run = told["runs"][0]
+    assert (run["status"], run["frames"], run["losses"]) == ("done", len(VARIABLE), 0)
+    assert run["neutral"]["why"]
+    assert {"neutral", "track", "compose", "draw", "over"} <= set(run["stages_ms"])
+    assert told["settings"]["engine"]["used"] == "software"
+    assert told["versions"]["gemheads"]
+
+
+def test_the_same_clip_gives_the_same_pictures(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    for name in ("a.mp4", "b.mp4"):
+        assert play(tiny, clip, "-o", tmp_path / name) == 0
+    assert np.array_equal(pictures(tmp_path / "a.mp4"), pictures(tmp_path / "b.mp4"))
+
+
+def test_the_driver_stands_beside_the_avatar_when_asked(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--side-by-side", "--background", "white") == 0
+    pair, driver = pictures(tmp_path / "out.mp4"), pictures(clip)
+    assert pair.shape[2] > 64
+    left = cv2.resize(driver[3], (pair.shape[2] - 64, 64), interpolation=cv2.INTER_AREA)
+    assert np.abs(pair[3, :, :-64].astype(int) - left).mean() < 6
+    assert (pair[3, :8, -64:] > 245).all()  # white above the avatar
+
+
+def test_a_lost_face_is_counted(tiny: Path, tmp_path: Path) -> None:
+    clip = cut_clip(tmp_path / "gap.mp4", tuple(range(0, 30000, 1000)), hidden=range(8, 24))
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--report", tmp_path / "r.json") == 0
+    run = json.loads((tmp_path / "r.json").read_text())["runs"][0]
+    assert (run["frames"], run["losses"], run["frames_without_face"]) == (30, 1, 16)
+
+
+def test_pngs_with_alpha_and_resuming_a_folder(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    out = tmp_path / "pngs"
+    words = (clip, "-o", out, "--background", "transparent")
+    assert play(tiny, *words) == 0
+    files = sorted(out.glob("*.png"))
+    assert len(files) == len(VARIABLE)
+    image = cv2.imread(str(files[5]), cv2.IMREAD_UNCHANGED)
+    assert image.shape == (64, 64, 4)
+    assert image[0, 0, 3] == 0
+    assert image[32, 32, 3] > 200
+    kept, lost = files[3].read_bytes(), files[5].read_bytes()
+    files[3].write_bytes(b"mine")
+    files[5].unlink()
+    (out / "times.csv").unlink()
+    assert play(tiny, *words, "--resume") == 0
+    assert files[3].read_bytes() == b"mine" != kept
+    assert files[5].read_bytes() == lost
+    assert len((out / "times.csv").read_text().splitlines()) == len(VARIABLE) + 1
+
+
+def test_several_drivers_and_resuming_what_is_left(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.mp4"
+    other.write_bytes(clip.read_bytes())
+    broken = tmp_path / "broken.mp4"
+    broken.write_text("no video")
+    out, report = tmp_path / "all", tmp_path / "r.json"
+    assert play(tiny, clip, broken, other, "-o", out) == ExitCode.INPUT
+    assert sorted(file.name for file in out.iterdir()) == ["other.mp4", "talk.mp4"]
+    before = (out / "talk.mp4").stat().st_mtime_ns
+    (out / "other.mp4").unlink()
+    assert play(tiny, clip, other, "-o", out, "--resume", "--report", report) == 0
+    assert (out / "talk.mp4").stat().st_mtime_ns == before
+    assert [run["status"] for run in json.loads(report.read_text())["runs"]] == ["kept", "done"]
+
+
+def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    track, out, again, beside = (tmp_path / name for name in ("t.safetensors", "a.mp4", "b.mp4", "c.mp4"))
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == 0
+    assert play(tiny, clip, "-o", out) == 0
+    assert play(tiny, "--track", track, "-o", again) == 0
+    assert times(again) == times(out)
+    assert np.array_equal(pictures(again), pictures(out))
+    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side") == 0
+    assert sound(beside) == sound(clip)
+    assert main(["export", str(tiny), "-o", str(tmp_path / "ply"), "--track", str(track)]) == 0
+    assert len(list((tmp_path / "ply").glob("frame_*.ply"))) == len(VARIABLE)
+
+
+def test_neutral_by_picture_by_frame_and_by_time(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "rest.png"), pictures(clip)[0][..., ::-1])
+    for rule, code in (
+        ("first", 0),
+        ("frame=3", 0),
+        ("time=0.2", 0),
+        (f"image={tmp_path / 'rest.png'}", 0),
+        ("frame=9999", ExitCode.INPUT),
+        (f"image={tmp_path / 'none.png'}", ExitCode.INPUT),
+    ):
+        assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral", rule) == code, rule
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal")
+def test_ctrl_c_leaves_a_video_that_plays(tiny: Path, tmp_path: Path) -> None:
+    clip = cut_clip(tmp_path / "long.mp4", tuple(range(0, 90000, 1000)))
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    shots = pictures(clip)
+    for copy in range(20):  # long enough to be interrupted on any machine
+        for i, shot in enumerate(shots):
+            cv2.imwrite(str(folder / f"{copy * len(shots) + i}.jpg"), cv2.resize(shot, (320, 320)))
+    out = tmp_path / "out.mp4"
+    words = ["reenact", str(folder), "-o", str(out), "--avatar", str(tiny), "--driver", "baseline", *SIZE]
+    program = subprocess.Popen(
+        [sys.executable, "-m", "gemheads.app.cli", *words], stderr=subprocess.PIPE, text=True, env={**os.environ}
+    )
+    partial = tmp_path / "out.partial.mp4"
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and not (partial.exists() and partial.stat().st_size > 2000):
+        time.sleep(0.02)
+    program.send_signal(signal.SIGINT)
+    _, said = program.communicate(timeout=60)
+    assert program.returncode == ExitCode.INTERRUPTED, said
+    assert "what is there can be played" in said
+    assert not out.exists()
+    assert 5 < len(times(partial)) < 20 * len(shots)

@@ -1,0 +1,128 @@
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+import pytest
+
+from gemheads.app.errors import InputError
+from gemheads.app.sources import open_source
+
+from .conftest import Clip
+
+VARIABLE = (0, 1001, 2500, 2501, 9000)
+
+
+def write_png(path: Path, value: int, size: tuple[int, int] = (20, 16)) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    cv2.imwrite(str(path), np.full((size[1], size[0], 3), value, np.uint8))
+
+
+def test_a_videos_times_are_its_own(make_clip: Clip) -> None:
+    source = open_source(str(make_clip(pts=VARIABLE)))
+    frames = list(source.frames())
+    assert tuple(frame.pts for frame in frames) == VARIABLE
+    assert source.time_base == Fraction(1, 30000)
+    assert frames[1].seconds == pytest.approx(1001 / 30000)
+    assert source.size == (96, 64)
+    assert frames[0].rgb.shape == (64, 96, 3)
+
+
+@pytest.mark.parametrize(("rotation", "bright"), [(90, (True, False)), (180, (False, False)), (270, (False, True))])
+def test_a_video_filmed_sideways_stands_upright(make_clip: Clip, rotation: int, bright: tuple[bool, bool]) -> None:
+    # The upper left quarter is bright; a quarter turn counter-clockwise takes it to the lower left, and so on.
+    source = open_source(str(make_clip(rotation=rotation)))
+    rgb = next(source.frames()).rgb
+    assert source.size == ((64, 96) if rotation != 180 else (96, 64))
+    assert (rgb[-5, 5].mean() > 60, rgb[5, -5].mean() > 60) == bright
+    assert rgb[5, 5].mean() < 60
+
+
+def test_samples_spread_over_the_clip(make_clip: Clip) -> None:
+    source = open_source(str(make_clip(pts=tuple(range(0, 60000, 1000)))))
+    samples = source.samples(6)
+    assert [sample.pts for sample in samples] == [0, 10000, 20000, 30000, 40000, 50000]
+
+
+def test_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    for number in (10, 2, 1):
+        write_png(tmp_path / "shots" / f"frame{number}.png", number)
+    (tmp_path / "shots" / "notes.txt").touch()
+    source = open_source(str(tmp_path / "shots"), Fraction(25))
+    assert [int(frame.rgb[0, 0, 0]) for frame in source.frames()] == [1, 2, 10]
+    assert [frame.seconds for frame in source.frames()] == pytest.approx([0, 0.04, 0.08])
+    assert source.frame_count == 3
+    assert source.size == (20, 16)
+
+
+@pytest.mark.parametrize("pattern", ["shot_%03d.png", "shot_*.png", "shot_0[0-9]?.png"])
+def test_sequences_by_pattern(tmp_path: Path, pattern: str) -> None:
+    for number in (0, 1, 12):
+        write_png(tmp_path / f"shot_{number:03d}.png", number)
+    write_png(tmp_path / "other.png", 99)
+    source = open_source(str(tmp_path / pattern))
+    assert [int(frame.rgb[0, 0, 0]) for frame in source.frames()] == [0, 1, 12]
+
+
+def test_one_picture_is_a_clip_of_one_frame(tmp_path: Path) -> None:
+    write_png(tmp_path / "ä face.png", 7)
+    assert [int(frame.rgb[0, 0, 0]) for frame in open_source(str(tmp_path / "ä face.png")).frames()] == [7]
+
+
+def test_colours_are_red_green_blue(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "red.png"), np.full((20, 20, 3), (0, 0, 200), np.uint8))
+    assert next(open_source(str(tmp_path / "red.png")).frames()).rgb[0, 0].tolist() == [200, 0, 0]
+
+
+def test_what_is_missing_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.mp4: no such file or folder"):
+        open_source(str(tmp_path / "none.mp4"))
+    with pytest.raises(InputError, match="no such file or folder"):
+        open_source(str(tmp_path / "none_%03d.png"))
+
+
+def test_a_folder_without_pictures_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"a folder without pictures; it needs files ending in .*\.png"):
+        open_source(str(tmp_path))
+
+
+def test_an_empty_file_is_told(tmp_path: Path) -> None:
+    (tmp_path / "empty.mp4").touch()
+    with pytest.raises(InputError, match="the file is empty"):
+        open_source(str(tmp_path / "empty.mp4"))
+
+
+def test_what_is_not_a_video_is_told(tmp_path: Path) -> None:
+    (tmp_path / "text.mp4").write_text("not a video at all " * 100)
+    with pytest.raises(InputError, match="not a readable video"):
+        open_source(str(tmp_path / "text.mp4"))
+
+
+def test_a_picture_that_is_none_is_told(tmp_path: Path) -> None:
+    (tmp_path / "broken.png").write_bytes(b"\x89PNG nothing")
+    with pytest.raises(InputError, match=r"broken\.png: is not a picture"):
+        open_source(str(tmp_path / "broken.png"))
+
+
+def test_sound_alone_is_told(tmp_path: Path) -> None:
+    with av.open(str(tmp_path / "sound.mp4"), "w") as container:
+        stream = container.add_stream("aac", rate=48000, layout="mono")
+        tone = av.AudioFrame.from_ndarray(np.zeros((1, 1024), np.float32), format="fltp", layout="mono")
+        tone.sample_rate, tone.pts = 48000, 0
+        container.mux(stream.encode(tone))
+        container.mux(stream.encode())
+    with pytest.raises(InputError, match="there is no video in this file"):
+        open_source(str(tmp_path / "sound.mp4"))
+
+
+def test_a_clip_of_zero_length_is_told(make_clip: Clip) -> None:
+    with pytest.raises(InputError, match=r"no picture|not a readable video"):
+        open_source(str(make_clip(pts=())))
+
+
+def test_a_torn_video_gives_what_can_be_read(make_clip: Clip) -> None:
+    clip = make_clip(pts=tuple(range(0, 60000, 1000)), size=(320, 240))
+    data = clip.read_bytes()
+    clip.write_bytes(data[: len(data) * 2 // 3])
+    assert 5 < len(list(open_source(str(clip)).frames())) < 60

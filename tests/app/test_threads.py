@@ -1,0 +1,82 @@
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from gemheads.app.threads import Behind, ahead
+
+
+def test_ahead_keeps_items_and_order() -> None:
+    assert list(ahead(range(50), depth=3)) == list(range(50))
+
+
+def test_ahead_works_while_the_consumer_waits() -> None:
+    made: list[int] = []
+
+    def items() -> Iterator[int]:
+        for i in range(10):
+            made.append(i)
+            yield i
+
+    stream = ahead(items(), depth=4)
+    next(stream)
+    deadline = time.monotonic() + 5
+    while len(made) < 5 and time.monotonic() < deadline:
+        time.sleep(0.005)
+    assert 5 <= len(made) <= 6  # one taken, four in the box, one waiting
+    stream.close()  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_ahead_raises_where_the_producer_did() -> None:
+    def items() -> Iterator[int]:
+        yield 1
+        raise OSError("torn")
+
+    stream = ahead(items())
+    assert next(stream) == 1
+    with pytest.raises(OSError, match="torn"):
+        next(stream)
+
+
+def test_a_consumer_that_stops_stops_the_producer() -> None:
+    before = threading.active_count()
+    for item in ahead(iter(int, 1), depth=2):  # endless zeros
+        assert item == 0
+        break
+    assert threading.active_count() == before
+
+
+def test_behind_consumes_in_order_and_waits_at_the_end() -> None:
+    seen: list[int] = []
+
+    def consume(item: int) -> None:
+        time.sleep(0.002)
+        seen.append(item)
+
+    writer = Behind(consume, depth=2)
+    for i in range(10):
+        writer.put(i)
+    writer.finish()
+    assert seen == list(range(10))
+
+
+def test_behind_raises_what_its_consumer_raised_and_never_blocks() -> None:
+    def consume(item: int) -> None:
+        raise OSError(f"full at {item}")
+
+    writer = Behind(consume, depth=1)
+    with pytest.raises(OSError, match="full at 0"):
+        for i in range(100):
+            writer.put(i)
+    with pytest.raises(OSError, match="full at 0"):
+        writer.finish()
+
+
+def test_behind_abandoned_says_nothing() -> None:
+    def consume(item: int) -> None:
+        raise OSError
+
+    writer = Behind(consume)
+    writer.put(1)
+    writer.abandon()

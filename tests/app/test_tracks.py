@@ -1,0 +1,98 @@
+import json
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors.numpy import save_file
+
+from gemheads.app.errors import InputError, OutputError
+from gemheads.app.performance import Pose
+from gemheads.app.state import Phase
+from gemheads.app.tracks import FORMAT, Track, load_track, save_track
+
+RNG = np.random.default_rng(1)
+TRACK = Track(
+    avatar="tiny",
+    avatar_sha256="ab" * 32,
+    time_base=Fraction(1, 30000),
+    rate=Fraction(30000, 1001),
+    pts=np.array([7, 1008, 2009]),
+    poses=tuple(
+        Pose(RNG.normal(size=5).astype(np.float32), RNG.normal(size=3).astype(np.float32), phase, 1, 0.25)
+        for phase in (Phase.SEARCHING, Phase.TRACKING, Phase.HOLD)
+    ),
+)
+
+
+def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:
+    save_track(TRACK, tmp_path / "new" / "t.safetensors")
+    back = load_track(tmp_path / "new" / "t.safetensors")
+    assert (back.avatar, back.avatar_sha256) == (TRACK.avatar, TRACK.avatar_sha256)
+    assert (back.time_base, back.rate, back.frame_count) == (TRACK.time_base, TRACK.rate, 3)
+    for (_, pose, pts), (_, pose0, pts0) in zip(back, TRACK, strict=True):
+        assert pts == pts0
+        assert np.array_equal(pose.coefficients, pose0.coefficients)
+        assert np.array_equal(pose.turn, pose0.turn)
+        assert (pose.phase, pose.faces, pose.clamped) == (pose0.phase, pose0.faces, pose0.clamped)
+
+
+def tensors() -> dict[str, np.ndarray]:
+    return {
+        "pts": TRACK.pts,
+        "coefficients": np.zeros((3, 5), np.float32),
+        "turn": np.zeros((3, 3), np.float32),
+        "phase": np.ones(3, np.uint8),
+        "faces": np.ones(3, np.uint8),
+        "clamped": np.zeros(3, np.float32),
+    }
+
+
+ABOUT = {"version": 1, "avatar": "tiny", "avatar_sha256": "ab", "time_base": "1/30", "rate": "30"}
+
+HOSTILE = {
+    "other version": ({}, {"version": 2}),
+    "time base of zero": ({}, {"time_base": "0"}),
+    "no number": ({}, {"rate": "fast"}),
+    "division by zero": ({}, {"rate": "1/0"}),
+    "NaN": ({"coefficients": np.full((3, 5), np.nan, np.float32)}, {}),
+    "other length": ({"turn": np.zeros((2, 3), np.float32)}, {}),
+    "other type": ({"turn": np.zeros((3, 3), np.float64)}, {}),
+    "falling times": ({"pts": np.array([3, 2, 1])}, {}),
+    "unknown phase": ({"phase": np.full(3, 9, np.uint8)}, {}),
+    "a scalar": ({"coefficients": np.float32(1)[()].reshape(())}, {}),
+    "one tensor more": ({"extra": np.zeros(1, np.float32)}, {}),
+    "no frames": (
+        {name: values[:0] for name, values in tensors().items()},
+        {},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_what_is_no_track_is_refused_with_the_reason(tmp_path: Path, name: str) -> None:
+    changed, about = HOSTILE[name]
+    path = tmp_path / "t.safetensors"
+    save_file({**tensors(), **changed}, path, {FORMAT: json.dumps({**ABOUT, **about})})
+    with pytest.raises(InputError, match=r"t\.safetensors: not a track \(.+\); make one with"):
+        load_track(path)
+
+
+@pytest.mark.parametrize("data", [b"", b"{}", b"\x08\0\0\0\0\0\0\0{}      ", b"\xff" * 100, b"\x80\x04K\x01."])
+def test_what_is_no_safetensors_is_refused(tmp_path: Path, data: bytes) -> None:
+    (tmp_path / "t").write_bytes(data)
+    with pytest.raises(InputError, match="not a track"):
+        load_track(tmp_path / "t")
+
+
+def test_a_missing_track_and_a_folder_are_told(tmp_path: Path) -> None:
+    for path in (tmp_path / "none", tmp_path):
+        with pytest.raises(InputError, match=str(path)):
+            load_track(path)
+
+
+def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="cannot be written"):
+        save_track(replace(TRACK), tmp_path / "file" / "t")
