@@ -1,0 +1,52 @@
+"""The picture of single components."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from gemheads.app.errors import OutputError
+from gemheads.app.modes import LABEL_PX, draw_modes, modes_picture
+from gemheads.models.gem import MODALITIES, Basis
+from gemheads.models.gemfile import load_gem
+from gemheads.render.software import SoftwareEngine
+
+
+def test_rows_are_components_and_columns_are_sigmas(tiny: Path) -> None:
+    gem = load_gem(tiny)
+    picture = modes_picture(gem, range(2), "position", (48, 64), SoftwareEngine())
+    assert picture.shape == (2 * (LABEL_PX + 64), 5 * 48, 3)
+    assert picture.dtype == np.uint8
+    cells = [picture[LABEL_PX : LABEL_PX + 64, 48 * i : 48 * (i + 1)].astype(int) for i in range(5)]
+    assert all((cell.min() < 200) and (cell[0] == 255).all() for cell in cells)  # a head on white
+    assert np.abs(cells[0] - cells[4]).mean() > np.abs(cells[1] - cells[3]).mean() > 0
+
+
+@pytest.mark.parametrize("modality", MODALITIES)
+def test_every_modality_shows(tiny: Path, modality: str) -> None:
+    gem = load_gem(tiny)
+    bases = {name: Basis(basis.rows.copy(), basis.sigma * 40) for name, basis in gem.bases.items()}
+    bases["scale"].rows[0, ::3] += 1  # long splats, whose turning shows
+    picture = modes_picture(replace(gem, bases=bases), [0], modality, (48, 48), SoftwareEngine(), steps=3)
+    cells = picture[LABEL_PX:].reshape(48, 3, 48, 3).swapaxes(0, 1).astype(int)
+    assert (cells[0] != cells[2]).any()
+
+
+def test_a_component_that_is_not_there_is_refused(tiny: Path) -> None:
+    with pytest.raises(ValueError, match="6 scale components, not 7"):
+        modes_picture(load_gem(tiny), [6], "scale", (32, 32), SoftwareEngine())
+
+
+def test_the_command_writes_a_png(tiny: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "modes.png"
+    draw_modes(tiny, out, 2, (32, 32), "software")
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture.shape == (4 * 2 * (LABEL_PX + 32), 5 * 32, 3)
+
+
+def test_a_folder_that_is_a_file_is_one_plain_error(tiny: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(OutputError, match="cannot be written"):
+        draw_modes(tiny, tmp_path / "file" / "modes.png", 1, (32, 32), "software")
