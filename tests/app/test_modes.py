@@ -28,7 +28,7 @@ def test_every_modality_shows(tiny: Path, modality: str) -> None:
     gem = load_gem(tiny)
     bases = {name: Basis(basis.rows.copy(), basis.sigma * 40) for name, basis in gem.bases.items()}
     bases["scale"].rows[0, ::3] += 1  # long splats, whose turning shows
-    bases["opacity"].rows[0] = 0  # and not opaque ones
+    bases["opacity"].rows[:2] = [[0], [0.05]]  # half transparent, and all together
     picture = modes_picture(replace(gem, bases=bases), [0], modality, (48, 48), SoftwareEngine(), steps=3)
     cells = picture[LABEL_PX:].reshape(48, 3, 48, 3).swapaxes(0, 1).astype(int)
     assert (cells[0] != cells[2]).any()
