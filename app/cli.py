@@ -92,6 +92,7 @@ def reenact(
 
 @app.command
 def demo(
+    *,
     out: Out = "demo.mp4",
     avatar: AvatarName = None,
     engine: EngineName = "auto",
@@ -111,7 +112,7 @@ def demo(
 
 
 @app.command
-def info(file: str | None = None) -> int:
+def info(file: str | None = None, /) -> int:
     """Say what is in an avatar's file; without one, list the avatars there are.
 
     Args:
@@ -131,7 +132,7 @@ def info(file: str | None = None) -> int:
 
 
 @app.command
-def modes(file: str, out: Out, components: int = 5, size: Size = "256x256", engine: EngineName = "auto") -> int:
+def modes(file: str, /, *, out: Out, components: int = 5, size: Size = "256x256", engine: EngineName = "auto") -> int:
     """Draw what single components do, from -3 to +3 sigma (figure 3 of the paper).
 
     Args:
@@ -153,6 +154,8 @@ def modes(file: str, out: Out, components: int = 5, size: Size = "256x256", engi
 @app.command
 def export(
     file: str,
+    /,
+    *,
     out: Out,
     weights: Annotated[list[str] | None, Parameter(name="--set", consume_multiple=True)] = None,
     track: Path | None = None,
@@ -181,6 +184,7 @@ def export(
 
 @app.command
 def bench(
+    *,
     avatar: AvatarName = None,
     json: Path | None = None,
     quick: Annotated[bool, Parameter(negative="")] = False,
@@ -209,6 +213,8 @@ def doctor() -> int:
 @app.command
 def track(
     driver: str,
+    /,
+    *,
     out: Out,
     avatar: AvatarName = None,
     neutral: str = "auto",
@@ -236,6 +242,7 @@ def track(
 @app.command
 def train_regressor(
     avatar: str,
+    /,
     *videos: Path,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,

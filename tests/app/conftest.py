@@ -7,7 +7,6 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-
 from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
 from gemheads.models.gemfile import save_gem
 
@@ -89,7 +88,9 @@ def make_clip(tmp_path: Path) -> Clip:
             if audio:
                 samples = np.sin(np.arange(48000) * 0.05).astype(np.float32)[None]
                 for start in range(0, round(48000 * float(pts[-1] * time_base)) or 1024, 1024):
-                    tone = av.AudioFrame.from_ndarray(samples[:, start % 40960 :][:, :1024], format="fltp", layout="mono")
+                    tone = av.AudioFrame.from_ndarray(
+                        samples[:, start % 40960 :][:, :1024], format="fltp", layout="mono"
+                    )
                     tone.pts, tone.sample_rate, tone.time_base = start, 48000, Fraction(1, 48000)
                     container.mux(audio.encode(tone))
                 container.mux(audio.encode())

@@ -4,7 +4,6 @@ import time
 from pathlib import Path
 
 import pytest
-
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 

@@ -1,5 +1,4 @@
 import numpy as np
-
 from gemheads.app.idle import BLINK_EVERY_SECS, breath, lids_closed
 
 

@@ -1,7 +1,6 @@
 from pathlib import Path
 
 import pytest
-
 from gemheads.app.errors import InputError
 from gemheads.app.library import Entry, avatars, find_avatar
 

@@ -4,7 +4,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-
 from gemheads.app.following import Actor, Memory, turned_gain
 from gemheads.app.frames import Frame
 from gemheads.app.live import drive, perform

@@ -1,7 +1,6 @@
 from pathlib import Path
 
 import pytest
-
 from gemheads.app.errors import UsageError
 from gemheads.app.outputs import plan_outputs
 

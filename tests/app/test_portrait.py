@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-
 from gemheads.app.portrait import portrait
 from gemheads.models.gem import Viewing
 from gemheads.render.camera import Camera

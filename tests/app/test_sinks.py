@@ -7,7 +7,6 @@ import av
 import cv2
 import numpy as np
 import pytest
-
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.sinks import FolderSink, VideoSink, is_whole, video_codec
 from gemheads.app.video import VideoFile
@@ -97,7 +96,9 @@ def test_transparent_videos_keep_their_alpha(tmp_path: Path, name: str, decoder:
         stream = container.streams.video[0]
         reader.extradata = stream.codec_context.extradata
         reader.width, reader.height = 96, 64
-        frames = [frame for packet in container.demux(stream) for frame in reader.decode(packet if packet.size else None)]
+        frames = [
+            frame for packet in container.demux(stream) for frame in reader.decode(packet if packet.size else None)
+        ]
     alpha = frames[0].to_ndarray(format="rgba")[..., 3]
     assert int(alpha[10, 40]) < 8
     assert int(alpha[50, 40]) == pytest.approx(200, abs=4)

@@ -5,7 +5,6 @@ import av
 import cv2
 import numpy as np
 import pytest
-
 from gemheads.app.errors import InputError
 from gemheads.app.sources import open_source
 

@@ -1,5 +1,4 @@
 import pytest
-
 from gemheads.app.state import HOLD_SECS, TO_FACE_SECS, TO_REST_SECS, Attention, Phase, update
 
 FRAME = 1 / 50

@@ -3,7 +3,6 @@ import time
 from collections.abc import Iterator
 
 import pytest
-
 from gemheads.app.threads import Behind, ahead
 
 
@@ -61,14 +60,18 @@ def test_behind_consumes_in_order_and_waits_at_the_end() -> None:
     assert seen == list(range(10))
 
 
+def put_many(writer: Behind[int], count: int) -> None:
+    for i in range(count):
+        writer.put(i)
+
+
 def test_behind_raises_what_its_consumer_raised_and_never_blocks() -> None:
     def consume(item: int) -> None:
         raise OSError(f"full at {item}")
 
     writer = Behind(consume, depth=1)
     with pytest.raises(OSError, match="full at 0"):
-        for i in range(100):
-            writer.put(i)
+        put_many(writer, 100)
     with pytest.raises(OSError, match="full at 0"):
         writer.finish()
 

@@ -1,7 +1,6 @@
 from fractions import Fraction
 
 import pytest
-
 from gemheads.app.errors import UsageError
 from gemheads.app.neutrals import NeutralRule, read_rule
 from gemheads.app.words import read_colour, read_rate, read_size
@@ -47,7 +46,9 @@ def test_neutral_rules() -> None:
     assert read_rule("image=a=b.png") == NeutralRule("image", "a=b.png")
 
 
-@pytest.mark.parametrize("text", ["", "autos", "auto=1", "frame", "frame=-1", "frame=1.5", "time=nan", "time=-1", "image="])
+@pytest.mark.parametrize(
+    "text", ["", "autos", "auto=1", "frame", "frame=-1", "frame=1.5", "time=nan", "time=-1", "image="]
+)
 def test_what_is_no_neutral_rule_is_told(text: str) -> None:
     with pytest.raises(UsageError, match="use auto, first, frame=N"):
         read_rule(text)
