@@ -84,7 +84,7 @@ def _written(
             file.close()
     if first is None:
         raise ValueError("nothing to distill: there is no frame")
-    ensembles = {
+    ensembles: dict[str, NDArray[np.float32]] = {
         name: np.memmap(folder / name, np.float32, "r", shape=(count, len(first) * CHANNELS[name]))
         for name in MODALITIES
     }
