@@ -31,7 +31,11 @@ def compact(modality: str, basis: Basis, kind: str) -> Compact:
 
     Compacting what ``expand`` gives changes nothing: the splats kept are those that move visibly after rounding, and
     scales have 16 significant bits, so that 127 of them are an exact float32.
+
+    Raises ValueError where a component is not finite.
     """
+    if not np.isfinite(basis.components).all():
+        raise ValueError(f"the {modality} basis has components that are not finite")
     splats = basis.rows.shape[1] // CHANNELS[modality]
     components = basis.components.reshape(len(basis), splats, CHANNELS[modality])
     kept = np.flatnonzero(_moves(modality, components, basis.sigma))

@@ -4,6 +4,7 @@ Nothing in a file is run or unpickled, and nothing is allocated before the heade
 """
 
 import hashlib
+import io
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -42,7 +43,7 @@ def save_gem(gem: Gem, path: str | Path, basis: str = "int8") -> None:
     An avatar that was loaded from such a file is stored again without any further loss.
 
     Raises:
-        ValueError: for another ``basis``, values that no file may hold, or a name and origin too long for a header.
+        ValueError: for another ``basis``, and for an avatar that ``load_gem`` would refuse.
         OSError: where the file cannot be written; what was there before stays.
     """
     if basis not in BASIS_TYPES:
@@ -50,6 +51,9 @@ def save_gem(gem: Gem, path: str | Path, basis: str = "int8") -> None:
     tensors = _tensors(gem, basis)
     for name, values in tensors.items():
         check_values(name, values, len(gem))
+    for name in MODALITIES:
+        check_motion(name, *(tensors[f"{name}.{part}"] for part in ("components", "scale", "sigma")))
+    _check_texels(gem.uv_index, gem.uv_size)
     payload = [np.ascontiguousarray(tensor).data for tensor in tensors.values()]
     seal = None
     if gem.regressor is not None:
@@ -58,7 +62,10 @@ def save_gem(gem: Gem, path: str | Path, basis: str = "int8") -> None:
     for part in payload:
         digest.update(part)
     card = Card(gem.name, gem.about, gem.viewing, gem.uv_size, basis, digest.hexdigest(), seal)
-    write_whole(Path(path), [header_bytes({KEY: card_text(card)}, tensors), *payload])
+    head = header_bytes({KEY: card_text(card)}, tensors)
+    header = read_header(io.BytesIO(head), len(head) + sum(part.nbytes for part in payload))
+    check_layout(header, read_card(header.metadata))  # what is written can be opened
+    write_whole(Path(path), [head, *payload])
 
 
 def load_gem(path: str | Path, components: int | None = None) -> Gem:
@@ -71,7 +78,10 @@ def load_gem(path: str | Path, components: int | None = None) -> Gem:
 
     Raises:
         GemFormatError: for everything that is no sound avatar, within bounded memory and time.
+        ValueError: for ``components`` below 0.
     """
+    if components is not None and components < 0:
+        raise ValueError(f"an avatar cannot be read with {components} components; give 0 or more")
     with _opened(Path(path)) as (file, size):
         header = read_header(file, size)
         card = read_card(header.metadata)
@@ -144,8 +154,7 @@ def _read(file: BufferedReader, header: Header, layout: Layout, seal: Card | Non
 
 def _gem(tensors: Tensors, layout: Layout, card: Card, components: int | None) -> Gem:
     bases = {name: _basis(name, tensors, layout) for name in MODALITIES}
-    if (tensors["uv_index"] >= card.uv_size).any():
-        raise GemFormatError(f"its UV index points outside of a map of {card.uv_size} texels a side")
+    _check_texels(tensors["uv_index"], card.uv_size)
     weights, rest = tensors.get("arkit_weights"), tensors.get("rest")
     if components is not None:
         used = _leading(layout, components)
@@ -183,6 +192,11 @@ def _basis(name: str, tensors: Tensors, layout: Layout) -> Basis:
     return Basis(rows, sigma)
 
 
+def _check_texels(uv_index: NDArray[np.uint16], uv_size: int) -> None:
+    if (uv_index >= uv_size).any():
+        raise GemFormatError(f"its UV index points outside of a map of {uv_size} texels a side")
+
+
 def _leading(layout: Layout, components: int) -> NDArray[np.intp]:
     """Places of the coefficients that are left when each modality keeps its first ``components``."""
     counts = [layout.components[name] for name in MODALITIES]
@@ -198,6 +212,5 @@ def _opened(path: Path) -> Iterator[tuple[BufferedReader, int]]:
             yield opened
     except GemFormatError as error:
         raise error.at(path) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise GemFormatError(f"cannot be read ({reason})", "check the path", str(path)) from error
+    except OSError as error:
+        raise GemFormatError(f"cannot be read ({error.strerror})", "check the path", str(path)) from error

@@ -34,7 +34,11 @@ def open_ordinary(path: Path) -> Iterator[tuple[BufferedReader, int]]:
 
     Raises OSError; for a folder, a pipe or a device too, which could block or never end.
     """
-    if not stat.S_ISREG(path.stat().st_mode):
+    try:
+        ordinary = stat.S_ISREG(path.stat().st_mode)
+    except ValueError as error:  # a null byte in the name
+        raise OSError(None, str(error)) from error
+    if not ordinary:
         raise OSError(None, "it is no ordinary file")
     with path.open("rb") as file:
         yield file, os.fstat(file.fileno()).st_size

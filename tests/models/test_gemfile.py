@@ -87,6 +87,11 @@ def test_few_components_are_a_truncated_avatar(tiny_gem: Gem, tmp_path: Path) ->
         assert few.regressor is None
 
 
+def test_fewer_than_no_components_are_refused(tiny_gem: Gem, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="give 0 or more"):
+        load_gem(saved(tiny_gem, tmp_path), components=-1)
+
+
 def test_few_components_need_few_bytes(tmp_path: Path) -> None:
     path = saved(random_gem(), tmp_path)
     whole = load_gem(path)
@@ -146,6 +151,10 @@ def test_a_typical_head_has_at_most_8_mb(tmp_path: Path) -> None:
         ({"colors": np.full((6, 3), 1.5, np.float32)}, "'colors' has values outside 0 to 1"),
         ({"neck_weights": np.full(6, np.nan, np.float32)}, "'neck_weights' has values that are not finite"),
         ({"about": {"source": "x" * 70_000}}, "shorten them"),
+        ({"about": {"source": 3}}, "name or origin is not text"),
+        ({"viewing": Viewing((0.0, 0.0, 0.0), 0.0)}, "viewing"),
+        ({"uv_size": 2}, "outside of a map of 2 texels"),
+        ({"neck_pivot": np.float32([0, 0, 2e4])}, "'neck_pivot' has values beyond"),
     ],
 )
 def test_what_could_not_be_opened_is_not_saved(tiny_gem: Gem, tmp_path: Path, change: dict, said: str) -> None:
@@ -155,6 +164,23 @@ def test_what_could_not_be_opened_is_not_saved(tiny_gem: Gem, tmp_path: Path, ch
         saved(replace(tiny_gem, **change), tmp_path)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("row", "value", "said"),
+    [
+        (0, np.nan, "'position.mean' has values"),
+        (1, np.nan, "components that are not"),
+        (1, 1e9, "moves splats by more"),
+    ],
+)
+def test_a_basis_that_could_not_be_opened_is_not_saved(
+    tiny_gem: Gem, tmp_path: Path, row: int, value: float, said: str
+) -> None:
+    tiny_gem.bases["position"].rows[row, 2] = value
+    with pytest.raises(ValueError, match=said):
+        saved(tiny_gem, tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_another_basis_type_is_refused(tiny_gem: Gem, tmp_path: Path) -> None:
