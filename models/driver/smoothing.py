@@ -22,6 +22,9 @@ class OneEuro:
     """Cutoff gained per unit of speed, in Hz / (unit / s), >= 0: higher lags less."""
     derivative_cutoff_hz: float = 1.0
     """Cutoff of the speed itself, > 0."""
+    together: bool = False
+    """One cutoff for all values, from the fastest of them: what they express together keeps its proportions, where
+    values of their own pace would each lag differently."""
 
     def __post_init__(self) -> None:
         if not (self.min_cutoff_hz > 0 and self.beta >= 0 and self.derivative_cutoff_hz > 0):
@@ -47,7 +50,8 @@ def step(settings: OneEuro, state: Smoothed | None, values: Floats, dt: float) -
         return Smoothed(values, np.zeros_like(values))
     raw_speed = (values - state.value) / dt
     speed = state.speed + _alpha(settings.derivative_cutoff_hz, dt) * (raw_speed - state.speed)
-    cutoff = settings.min_cutoff_hz + settings.beta * np.abs(speed)  # equation 7
+    pace = np.abs(speed).max() if settings.together else np.abs(speed)
+    cutoff = settings.min_cutoff_hz + settings.beta * pace  # equation 7
     return Smoothed(state.value + _alpha(cutoff, dt) * (values - state.value), speed)  # equation 1
 
 

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from gemheads.app.following import Actor, Memory, turned_gain
+from gemheads.app.following import EXPRESSION_FILTER, Actor, Memory, turned_gain
 from gemheads.app.frames import Frame
 from gemheads.app.live import drive, perform
 from gemheads.app.performance import Pose
@@ -14,6 +14,7 @@ from gemheads.app.timing import Stopwatch
 from gemheads.models.driver.face import FaceObservation
 from gemheads.models.driver.neutral import neutral_of
 from gemheads.models.driver.points import SCORES
+from gemheads.models.driver.smoothing import step
 from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 
 from .conftest import tiny_gem
@@ -184,3 +185,11 @@ def test_time_that_stands_still_changes_nothing_abruptly() -> None:
     memory, _ = drive(actor, Memory(), actor_frames[0])
     memory, pose = drive(actor, memory, actor_frames[1])
     assert np.isfinite(pose.coefficients).all()
+
+
+def test_smoothing_keeps_the_proportions_of_an_expression() -> None:
+    """Coefficients that make one shape together must not lag behind each other."""
+    state = step(EXPRESSION_FILTER, None, np.zeros(3), 0.04)
+    for _ in range(4):
+        state = step(EXPRESSION_FILTER, state, np.array([3.0, 0.3, -0.03]), 0.04)
+        assert state.value / state.value[0] == pytest.approx([1, 0.1, -0.01])
