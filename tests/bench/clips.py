@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 SHOTS = 10
 """Pictures kept of each clip for the film strip."""
 SHOT_SIDE = 192
+_AROUND = (191, 191, 191)
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,4 @@ def _shot(picture: NDArray[np.uint8], face: FaceObservation) -> NDArray[np.uint8
             [0, scale, SHOT_SIDE / 2 - scale * (top + bottom) / 2],
         ]
     )
-    return cv2.warpAffine(
-        picture, matrix, (SHOT_SIDE, SHOT_SIDE), flags=cv2.INTER_AREA, borderMode=cv2.BORDER_REPLICATE
-    )
+    return cv2.warpAffine(picture, matrix, (SHOT_SIDE, SHOT_SIDE), flags=cv2.INTER_AREA, borderValue=_AROUND)

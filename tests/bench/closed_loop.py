@@ -39,7 +39,7 @@ def main() -> int:
     parser.add_argument("--avatar", type=Path, required=True, help=".gem file")
     parser.add_argument("--regressor", type=Path, help="an ONNX graph to try instead of the avatar's own")
     parser.add_argument("--components", type=int, nargs="+", default=[50, 30], help="components drawn by the regressor")
-    parser.add_argument("--every", type=int, default=2, help="take each N-th frame")
+    parser.add_argument("--every", type=int, default=3, help="take each N-th frame")
     parser.add_argument("--seconds", type=float, default=30.0, help="of each clip")
     parser.add_argument("--size", type=int, default=384, help="side of the avatar's picture")
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "gemheads-closed-loop")
