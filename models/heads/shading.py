@@ -1,0 +1,187 @@
+"""Colour of every point of the head: albedo, baked light, sheen, eyes, teeth, cloth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .brows import BrowMap, paint_brows
+from .expressions import weights_of
+from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
+from .ingredients import Ingredients
+from .light import KEY, bake, part_of_vertex
+from .maps import encoded, linear, load_map, sample_map
+from .noise import value_noise
+from .people import Person
+from .skin import SkinMaps, albedo, load_skin_maps, points_of
+
+Floats = NDArray[np.floating]
+
+EXPOSURE = 0.92
+IRIS_RAD = 0.455
+"""Half angle of the iris, from the eyeball's centre."""
+PUPIL_RAD = 0.17
+IRIS_COLORS = {
+    "green": (0.30, 0.36, 0.22),
+    "lightblue": (0.36, 0.47, 0.56),
+    "brown": (0.25, 0.135, 0.07),
+    "blue": (0.24, 0.36, 0.52),
+}
+
+
+@dataclass(frozen=True)
+class Shader:
+    """Everything that decides the colours of one person."""
+
+    head: Head
+    person: Person
+    maps: SkinMaps
+    brows: BrowMap
+    light: NDArray[np.floating]
+    """[V, 3] irradiance after subsurface scattering."""
+    scalp: NDArray[np.floating]
+    """[V] in [0, 1]: skin under the hair."""
+    teeth_map: NDArray[np.floating]
+    tongue_map: NDArray[np.floating]
+
+    def color(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
+        """sRGB [N, 3] of points given by triangle [N] and barycentric weights [N, 3]; not for hair and lashes."""
+        head = self.head
+        uv, canvas, normal = points_of(head, faces, weights)
+        corners = head.triangles[faces]
+        light = (self.light[corners] * weights[..., None]).sum(1)
+        position = (head.vertices[corners] * weights[..., None]).sum(1)
+        part = head.parts[faces]
+        base = np.full((len(faces), 3), 0.2)
+        sheen = np.zeros(len(faces))
+        on = part == SKIN
+        if on.any():
+            scalp = (self.scalp[corners[on]] * weights[on]).sum(1)
+            base[on], sheen[on] = albedo(self.person, self.maps, uv[on], canvas[on], scalp, self.brows.at(canvas[on]))
+            cloth = on.copy()
+            cloth[on] = below_collar(position[on])
+            base[cloth] = _cloth(self.person, canvas[cloth])
+            sheen[cloth] = 0
+        on = part == EYES
+        base[on] = self._eyes(faces[on], weights[on])
+        on = part == TEETH
+        tooth = linear(sample_map(self.teeth_map, uv[on])[:, :3])
+        gum = np.clip((tooth[:, :1] - 1.25 * tooth[:, 1:2]) / 0.1, 0, 1)
+        enamel = tooth.mean(1, keepdims=True) ** 0.6 * np.array([0.92, 0.86, 0.76])
+        base[on] = enamel + gum * (np.array([0.42, 0.14, 0.13]) - enamel)
+        sheen[on] = 0.5
+        on = part == TONGUE
+        base[on] = linear(sample_map(self.tongue_map, uv[on])[:, :3]) * np.array([0.50, 0.40, 0.42])
+        sheen[on] = 0.25
+        bump = np.stack([value_noise(canvas, 1.6e-3, self.person.seed + 40 + k) for k in range(3)], 1)
+        bent = normal + 0.05 * bump * (part == SKIN)[:, None]
+        bent /= np.linalg.norm(bent, axis=1, keepdims=True)
+        shine = sheen * _sheen(bent) * np.clip(light.mean(1) / 1.2, 0, 1)
+        return np.clip(tone(EXPOSURE * base * light + shine[:, None] * np.array([1.0, 0.97, 0.94])), 0, 1)
+
+    def _eyes(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
+        """Linear albedo of sclera, iris and pupil."""
+        head = self.head
+        corners = head.triangles[faces]
+        side = head.eye_of_vertex[corners[:, 0]]
+        offset = (head.vertices[corners] * weights[..., None]).sum(1) - head.eye_centers[side]
+        offset /= np.maximum(np.linalg.norm(offset, axis=1, keepdims=True), 1e-9)
+        angle = np.arccos(np.clip(offset[:, 2], -1, 1))
+        around = np.arctan2(offset[:, 1], offset[:, 0])
+        ring = np.stack([np.cos(around), np.sin(around), 0 * around], 1)
+        fibre = value_noise(ring * 3.2 + 7 * side[:, None], 0.35, self.person.seed) * 0.6
+        fibre += 0.5 * value_noise(ring * 3.2 + np.stack([0 * angle, 0 * angle, 5 * angle], 1), 0.16, self.person.seed + 1)
+        across = angle / IRIS_RAD
+        iris = linear(np.array(IRIS_COLORS[self.person.eye])) * 1.25
+        glow = np.exp(-(((across - 0.55) / 0.22) ** 2))
+        tint = iris * (1 + 0.35 * fibre[:, None]) * (0.75 + 0.6 * glow[:, None])
+        limbal = np.clip((across - 0.78) / 0.2, 0, 1)[:, None]
+        tint = tint * (1 - 0.75 * limbal)
+        pupil = np.clip((PUPIL_RAD + 0.03 - angle) / 0.05, 0, 1)[:, None]
+        tint = tint + pupil * (0.006 - tint)
+        outward = np.clip((angle - 0.55) / 0.7, 0, 1)[:, None]
+        veins = np.clip(value_noise(ring * 2 + offset * 6, 0.5, self.person.seed + 2), 0, 1)[:, None]
+        sclera = np.array([0.68, 0.665, 0.645]) * (1 - outward * np.array([0.12, 0.26, 0.28]))
+        sclera = sclera * (1 - veins * outward * np.array([0.02, 0.14, 0.14]))
+        edge = np.clip((angle - IRIS_RAD) / 0.05 + 0.5, 0, 1)[:, None]
+        return tint + edge * (sclera - tint)
+
+
+def tone(light: Floats) -> Floats:
+    """Linear light to sRGB with a soft shoulder above 0.7."""
+    soft = np.where(light > 0.7, 0.7 + 0.3 * np.tanh((light - 0.7) / 0.45), light)
+    return encoded(soft)
+
+
+def _sheen(normal: Floats) -> Floats:
+    """Highlights of the key lamp seen from the front: a broad and a narrow lobe (Blinn 1977)."""
+    half = KEY + np.array([0, 0, 1.0])
+    half /= np.linalg.norm(half)
+    facing = np.clip(normal @ half, 0, 1)
+    return 0.055 * facing**10 + 0.09 * facing**48
+
+
+def below_collar(position: Floats) -> NDArray[np.bool_]:
+    """Which points [N, 3] (canonical, metres) wear the T-shirt: a round neckline, higher at the back."""
+    return collar_height(position) < 0
+
+
+def collar_height(position: Floats) -> Floats:
+    """Metres above (skin) or below (cloth) the neckline."""
+    x, y, z = position.T
+    return y + 0.162 + 0.30 * (z - 0.03) - 2.2 * np.clip(x, -0.09, 0.09) ** 2
+
+
+def _cloth(person: Person, canvas: Floats) -> Floats:
+    weave = value_noise(canvas, 1.2e-3, 3) * 0.10 + value_noise(canvas, 30e-3, 4) * 0.08
+    return linear(np.array(person.shirt)) * (1 + weave[:, None])
+
+
+def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
+    """Bake the light and read the maps of ``person``."""
+    maps = load_skin_maps(person, ingredients)
+    part = part_of_vertex(head)
+    uv = np.zeros((len(head.vertices), 2))
+    uv[head.triangles] = head.texture
+    skin = (part == SKIN).astype(float)
+    regions = (maps.mouth, maps.lids, maps.lips, maps.ears)
+    mouth, lids, lips, ears = (sample_map(m, uv)[:, 0] * skin for m in regions)
+    light = bake(
+        head,
+        head.pose(weights_of(jawOpen=0.75, mouthUpperUp=0.3, mouthLowerDown=0.3)),
+        head.pose(weights_of(eyeBlink=1.0)),
+        mouth,
+        lids,
+        lips,
+    )
+    proxies = ingredients.makehuman / "proxies"
+    return Shader(
+        head=head,
+        person=person,
+        maps=maps,
+        brows=paint_brows(person, ingredients),
+        light=light,
+        scalp=_under_hair(head, ears),
+        teeth_map=load_map(proxies / "teeth/Teeth_Base/textures/teeth.png"),
+        tongue_map=load_map(proxies / "tongue/tongue01/textures/tongue01_diffuse.png"),
+    )
+
+
+def _under_hair(head: Head, ears: Floats) -> Floats:
+    """[V] how much of the sky just above each skin vertex is hair within 2.5 cm."""
+    from embreex.mesh_construction import TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
+    scene = EmbreeScene()
+    TriangleMesh(scene, np.ascontiguousarray(head.vertices[head.triangles[head.parts == HAIR]], np.float32))
+    start = (head.vertices - 2e-3 * head.normals).astype(np.float32)
+    covered = np.zeros(len(head.vertices))
+    for tilt in np.concatenate([np.zeros((1, 3)), 0.45 * np.eye(3), -0.45 * np.eye(3)]):
+        toward = head.normals + tilt.astype(np.float32)
+        toward /= np.maximum(np.linalg.norm(toward, axis=1, keepdims=True), 1e-6)
+        distance = scene.run(start, toward.astype(np.float32), query="DISTANCE")
+        covered += distance < 0.025
+    covered = np.clip(covered / 7 * 1.5 - 0.25, 0, 1)
+    y, z = head.canvas[:, 1], head.canvas[:, 2]
+    grows = np.clip((y + 0.085 - 0.5 * np.clip(z + 0.09, 0, 1)) / 0.015, 0, 1)  # rises from the nape to the sideburns
+    return covered * grows * (1 - np.clip(3 * ears, 0, 1)) * (part_of_vertex(head) == SKIN)
