@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..render.gaussians import RawGaussians
+from .blend import blend
 
 MODALITIES = ("position", "rotation", "scale", "opacity")
 """Order of the bases, and of their parts in a coefficient vector."""
@@ -176,7 +177,7 @@ class Gem:
             basis, scratch = self.bases[name], self._scratch[name]
             used = len(basis) if components is None else min(components, len(basis))
             scratch[1 : used + 1] = coefficients[self.slices[name]][:used]
-            np.dot(scratch[: used + 1], basis.rows[: used + 1], out=target.reshape(-1))
+            blend(scratch[: used + 1], basis.rows, target.reshape(-1))
         return out
 
     def project(self, raw: RawGaussians) -> NDArray[np.float32]:
