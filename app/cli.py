@@ -273,11 +273,9 @@ def train_regressor(
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; returns the exit code of docs/commands.md. The entry point of ``gemheads``."""
-    # Idle workers of BLAS and OpenMP spin and starve the other stages (9.4 s of processor time for a clip that takes 5.9).
-    # Both must be set before NumPy and numba come.
+    # Idle workers of BLAS (107 -> 87 ms a picture without) and of the kernels (beside a busy tracker a composition takes
+    # 60 ms instead of 6) spin and starve the other stages. Both must be set before NumPy and numba come.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
-    # The same of the kernels' threads: spinning beside a busy tracker, a composition takes 60 ms instead of 6.
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     arguments = sys.argv[1:] if arguments is None else arguments
     debug = "--debug" in arguments
