@@ -1,6 +1,7 @@
 """THE frame: ``drive`` turns a picture of a person into what the avatar does, ``draw`` turns that into pixels."""
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -125,10 +126,11 @@ def run_offline(
     whole = False
     writer: Behind[tuple[int, Image, int]] = Behind(lambda shot: sink.write(*shot))
     try:
-        for index, (frame, pose, pts) in enumerate(ahead(performance)):
-            picture = NOTHING if sink.has(index) else finish(draw(stage, pose), frame)
-            writer.put((index, picture, pts))
-            tell(index, pose)
+        with closing(ahead(performance)) as shots:
+            for index, (frame, pose, pts) in enumerate(shots):
+                picture = NOTHING if sink.has(index) else finish(draw(stage, pose), frame)
+                writer.put((index, picture, pts))
+                tell(index, pose)
         writer.finish()
         whole = True
     finally:

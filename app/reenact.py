@@ -122,7 +122,9 @@ def _outcome_of(
         message = f"{result}: {run.tally.frames} frames in {run.seconds:.1f} s ({run.rate:.0f} frames/s)"
     except KeyboardInterrupt:
         status, code = "interrupted", ExitCode.INTERRUPTED
-        message = f"{run.left or result}: stopped after {run.tally.frames} frames; what is there can be played"
+        message = f"{result}: stopped before the first frame; nothing was written"
+        if run.tally.frames:
+            message = f"{run.left}: stopped after {run.tally.frames} frames; what is there can be played"
     except CommandError as error:
         message, code = str(error), error.code
     return (

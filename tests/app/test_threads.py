@@ -24,7 +24,7 @@ def test_ahead_works_while_the_consumer_waits() -> None:
     while len(made) < 5 and time.monotonic() < deadline:
         time.sleep(0.005)
     assert 5 <= len(made) <= 6  # one taken, four in the box, one waiting
-    stream.close()  # pyright: ignore[reportAttributeAccessIssue]
+    stream.close()
 
 
 def test_ahead_raises_where_the_producer_did() -> None:

@@ -1,0 +1,35 @@
+import pytest
+from gemheads.app import doctor
+from gemheads.app.doctor import Finding, run_doctor
+from gemheads.app.errors import ExitCode
+
+
+def told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *findings: Finding) -> tuple[int, str]:
+    monkeypatch.setattr(doctor, "examine", lambda: iter(findings))
+    return run_doctor(), capsys.readouterr().out
+
+
+def test_a_healthy_machine(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    optional = Finding("display", False, "none", needed=False)
+    code, text = told(monkeypatch, capsys, Finding("Python", True, "3.11", "not shown"), optional)
+    assert code == ExitCode.OK
+    assert "ok   Python: 3.11" in text
+    assert "none display: none" in text
+    assert "not shown" not in text
+
+
+def test_what_is_needed_and_missing_comes_with_its_cure(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, text = told(monkeypatch, capsys, Finding("avatars", False, "none", "make avatars"))
+    assert code == ExitCode.UNEXPECTED
+    assert "FAIL avatars: none\n     cure: make avatars" in text
+
+
+def test_a_check_that_fails_does_not_stop_the_next() -> None:
+    """The real examination, whatever it finds on this machine."""
+    findings = list(doctor.examine())
+    names = [finding.what for finding in findings]
+    assert names[0] == "Python"
+    assert {"engine software", "onnxruntime", "face networks", "video to .mp4", "demo clip", "display"} <= set(names)
+    assert all(finding.cure for finding in findings if not finding.works and finding.what != "display")
