@@ -273,7 +273,7 @@ def train_regressor(
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; returns the exit code of docs/commands.md. The entry point of ``gemheads``."""
-    # Idle workers of BLAS (107 -> 87 ms a picture without) and of the kernels (beside a busy tracker a composition takes
+    # Idle workers of BLAS (107 -> 87 ms a picture without) and of the kernels (beside a busy tracker, composing takes
     # 60 ms instead of 6) spin and starve the other stages. Both must be set before NumPy and numba come.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")

@@ -19,8 +19,8 @@ Express = Callable[[Floats, Floats], Floats]
 """Relative features [D] and relative head rotation [3] to coefficients."""
 
 EXPRESSION_FILTER = OneEuro(min_cutoff_hz=2.0, beta=1.0, together=True)
-"""On coefficients in units of their sigma. On a talking face it takes 30 % of the tremble (second differences) and keeps
-a correlation of .98 to .996 for smile, jaw and blink; with a cutoff for each coefficient the smile falls to .86."""
+"""On coefficients in units of their sigma. On a talking face it takes 30 % of the tremble (second differences) and
+keeps a correlation of .98 to .996 for smile, jaw and blink; with one cutoff a coefficient the smile falls to .86."""
 TURN_FILTER = OneEuro(min_cutoff_hz=2.0, beta=10.0, together=True)
 """On the head's rotation in radians."""
 SAME_FACE_SHIFT = 0.8
