@@ -80,7 +80,7 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
             for driver, result in jobs:
                 outcome, failed = _outcome_of(driver if drivers else None, result, cast, wish, bar, started)
                 outcomes.append(outcome)
-                bar.say(f"error: {outcome.message}" if failed else outcome.message)
+                bar.say(f"error: {outcome.message}" if outcome.status == "failed" else outcome.message)
                 code = code or failed
                 started = time.perf_counter()
                 if failed is ExitCode.INTERRUPTED:
