@@ -16,3 +16,6 @@ POSITION_MAX = np.float32(1e4)
 """Centres beyond this in any coordinate are refused, metres."""
 LOG_SCALE_MIN, LOG_SCALE_MAX = np.float32(-20), np.float32(5)
 """Log scales outside are refused."""
+VIEW_MARGIN = np.float32(0.15)
+"""The slope of a splat's line of sight is clamped to the picture widened by this fraction of its size on every side
+when the projection is linearised (as the 3DGS reference does)."""

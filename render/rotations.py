@@ -26,7 +26,7 @@ def matrix_from_wxyz(wxyz: Floats) -> Floats:
 
 
 def wxyz_from_matrix(matrix: Floats) -> Floats:
-    """Unit quaternions [..., 4], w >= 0, of rotation matrices [..., 3, 3] (Shepperd's method: the largest of four pivots)."""
+    """Unit quaternions [..., 4], w >= 0, of rotation matrices [..., 3, 3] (Shepperd: the largest of four pivots)."""
     m = matrix
     trace = m[..., 0, 0] + m[..., 1, 1] + m[..., 2, 2]
     pivots = np.stack([trace, m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]], -1)
@@ -61,5 +61,5 @@ def rotvec_from_matrix(matrix: Floats) -> Floats:
 
 
 def sign_aligned(wxyz: Floats, reference: Floats) -> Floats:
-    """The quaternions [..., 4] with the sign that points along ``reference``: q and -q are one rotation, PCA needs one sign."""
+    """The quaternions [..., 4] with the sign that points along ``reference`` (q and -q are one rotation)."""
     return np.where((wxyz * reference).sum(-1, keepdims=True) < 0, -wxyz, wxyz)

@@ -7,17 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Camera
+from .culling import is_sane
 from .gaussians import RawGaussians
-from .projection import (
-    ALPHA_MAX,
-    ALPHA_MIN,
-    DILATION,
-    LOG_SCALE_MAX,
-    LOG_SCALE_MIN,
-    NEAR,
-    POSITION_MAX,
-    TRANSMITTANCE_MIN,
-)
+from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, TRANSMITTANCE_MIN, VIEW_MARGIN
+from .sorting import front_to_back
 
 TILE = 16
 _F = np.float32
@@ -53,12 +46,14 @@ class SoftwareEngine:
         """
         started = time.perf_counter()
         self._fit(len(raw), camera)
+        # one type for every frame (writable, contiguous float32), or numba would compile again for another
+        raw = RawGaussians(*(np.require(array, np.float32, "CW") for array in vars(raw).values()))
         matrix = camera.world_to_camera.astype(np.float32)
         lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float32)
         splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
         _project(*splats, matrix, lens, self._records, self._spans, self._depths)
         projected = time.perf_counter()
-        visible = _front_to_back(self._depths, self._orders)
+        visible = front_to_back(self._depths, self._orders)
         sorted_ = time.perf_counter()
         columns, rows = -(-camera.width // TILE), -(-camera.height // TILE)
         ends = np.zeros(columns * rows + 1, np.int64)
@@ -71,6 +66,17 @@ class SoftwareEngine:
         drawn = time.perf_counter()
         self.timings = {"project": projected - started, "sort": sorted_ - projected, "draw": drawn - sorted_}
         return self._image
+
+    def warm(self) -> None:
+        """Compile every kernel, or load it from disk, without running one: safe in a thread while others draw."""
+        flat, triple, wide = (numba.types.Array(numba.float32, n, "C") for n in (1, 2, 3))
+        ints, pairs = numba.types.Array(numba.int32, 2, "C"), numba.types.Array(numba.int32, 1, "C")
+        ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
+        _project.compile((triple, triple, triple, flat, triple, flat, triple, ints, flat))
+        front_to_back.compile((flat, ints))
+        _count.compile((pairs, whole, ints, whole, ends))
+        _fill.compile((pairs, whole, ints, whole, ends, pairs))
+        _rasterise.compile((pairs, ends, triple, triple, whole, whole, wide))
 
     def close(self) -> None:
         """Nothing to give back; every engine has it."""
@@ -93,16 +99,11 @@ def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, 
     for i in numba.prange(len(positions)):
         depths[i] = 0
         px, py, pz = positions[i, 0], positions[i, 1], positions[i, 2]
-        # comparisons with NaN are false, so that these refuse it
-        if not (abs(px) <= POSITION_MAX and abs(py) <= POSITION_MAX and abs(pz) <= POSITION_MAX):
+        if not is_sane(positions[i], wxyz[i], log_scales[i], logits[i]):
             continue
         l0, l1, l2 = log_scales[i, 0], log_scales[i, 1], log_scales[i, 2]
-        if not (min(l0, min(l1, l2)) >= LOG_SCALE_MIN and max(l0, max(l1, l2)) <= LOG_SCALE_MAX):
-            continue
         qw, qx, qy, qz, logit = wxyz[i, 0], wxyz[i, 1], wxyz[i, 2], wxyz[i, 3], logits[i]
         length = qw * qw + qx * qx + qy * qy + qz * qz
-        if not (length >= 0 and length < np.inf and abs(logit) < np.inf):
-            continue
         x = matrix[0, 0] * px + matrix[0, 1] * py + matrix[0, 2] * pz + matrix[0, 3]
         y = matrix[1, 0] * px + matrix[1, 1] * py + matrix[1, 2] * pz + matrix[1, 3]
         z = matrix[2, 0] * px + matrix[2, 1] * py + matrix[2, 2] * pz + matrix[2, 3]
@@ -123,7 +124,10 @@ def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, 
         m02, m12, m22 = s2 * 2 * (qx * qz + qw * qy), s2 * 2 * (qy * qz - qw * qx), s2 * (1 - 2 * (qx * qx + qy * qy))
         # rows of J W, the Jacobian of the projection times the camera's rotation
         inv = _F(1) / z
-        jx, jy, ju, jv = fx * inv, fy * inv, -fx * x * inv * inv, -fy * y * inv * inv
+        # far outside the picture the linearisation explodes: the slope is taken at the edge of a margin around it
+        slope_x = min(max(x * inv, (-VIEW_MARGIN * width - cx) / fx), ((1 + VIEW_MARGIN) * width - cx) / fx)
+        slope_y = min(max(y * inv, (-VIEW_MARGIN * height - cy) / fy), ((1 + VIEW_MARGIN) * height - cy) / fy)
+        jx, jy, ju, jv = fx * inv, fy * inv, -fx * slope_x * inv, -fy * slope_y * inv
         t00, t01, t02 = (
             jx * matrix[0, 0] + ju * matrix[2, 0],
             jx * matrix[0, 1] + ju * matrix[2, 1],
@@ -170,34 +174,6 @@ def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, 
         spans[i, 2] = int(max(centre_y - half_y, _F(0)) / TILE)
         spans[i, 3] = int(min(centre_y + half_y, height - 1) / TILE)
         depths[i] = z
-
-
-@numba.njit(cache=True)
-def _front_to_back(depths, orders):
-    """Writes the indices of splats with depth > 0, near to far, into orders[0]; returns how many. Exact and stable: two
-    16-bit radix passes over the bits, since positive floats sort like their bits."""
-    keys = depths.view(np.uint32)
-    first, second = orders[0], orders[1]
-    low, high = np.zeros(65537, np.int64), np.zeros(65537, np.int64)
-    visible = 0
-    for i in range(len(keys)):
-        if depths[i] > 0:
-            low[(keys[i] & 0xFFFF) + 1] += 1
-            high[(keys[i] >> 16) + 1] += 1
-            visible += 1
-    for k in range(65536):
-        low[k + 1] += low[k]
-        high[k + 1] += high[k]
-    for i in range(len(keys)):
-        if depths[i] > 0:
-            key = keys[i] & 0xFFFF
-            second[low[key]] = i
-            low[key] += 1
-    for j in range(visible):
-        key = keys[second[j]] >> 16
-        first[high[key]] = second[j]
-        high[key] += 1
-    return visible
 
 
 @numba.njit(cache=True)

@@ -1,0 +1,138 @@
+"""One face for whatever draws, and the choice between them."""
+
+import threading
+import time
+from statistics import median
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import Camera
+from .gaussians import RawGaussians
+from .software import SoftwareEngine
+
+EngineName = Literal["auto", "quads", "software"]
+_TRIALS = 3
+"""Frames drawn by each engine before the faster one is chosen."""
+
+
+class Engine(Protocol):
+    """Draws splats. Used from the thread that made it."""
+
+    @property
+    def name(self) -> str:
+        """``quads`` or ``software``: what drew the last frame."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """For people: the GL renderer, or the threads."""
+        ...
+
+    @property
+    def timings(self) -> dict[str, float]:
+        """Stage -> seconds of the last frame."""
+        ...
+
+    def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
+        """The picture [H, W, 4], premultiplied sRGB-encoded RGBA in [0, 1]; the engine's own, until the next frame."""
+        ...
+
+    def close(self) -> None:
+        """Give back what it holds; no frame can be drawn afterwards."""
+        ...
+
+
+def open_engine(name: EngineName = "auto") -> Engine:
+    """An engine that draws without a window.
+
+    Args:
+        name: ``quads`` is OpenGL, ``software`` numba, ``auto`` the faster of the two on this machine; where there is
+            no OpenGL that is the software engine.
+
+    Raises:
+        ValueError: for another name.
+        contexts.NoOpenGLError: when ``quads`` is asked for and there is no OpenGL 3.3.
+    """
+    if name == "software":
+        return SoftwareEngine()
+    if name not in ("auto", "quads"):
+        raise ValueError(f"no engine is called '{name}'; there are auto, quads and software")
+    # modules of OpenGL stay unloaded where they are not needed
+    from .contexts import NoOpenGLError, offscreen_context
+    from .splats import SplatRenderer
+
+    try:
+        quads = SplatRenderer(offscreen_context(), owns_context=True)
+    except NoOpenGLError:
+        if name == "quads":
+            raise
+        return SoftwareEngine()
+    return quads if name == "quads" else FastestEngine(quads, SoftwareEngine())
+
+
+class FastestEngine:
+    """Quads at once; when the software engine's kernels are ready, a few frames of each decide which one stays.
+
+    The decision is kept for the process. An engine that raises is closed and the other one takes over for good.
+    """
+
+    _decided: str | None = None
+
+    def __init__(self, quads: Engine, software: SoftwareEngine) -> None:
+        self._engines: dict[str, Engine] = {"quads": quads, "software": software}
+        self._used: Engine = quads
+        self._seconds: dict[str, list[float]] = {"quads": [], "software": []}
+        self._warmer = threading.Thread(target=software.warm, name="compile kernels", daemon=True)
+        self._warmer.start()
+
+    @property
+    def name(self) -> str:
+        """What drew the last frame."""
+        return self._used.name
+
+    @property
+    def description(self) -> str:
+        """That of the engine that drew the last frame."""
+        return self._used.description
+
+    @property
+    def timings(self) -> dict[str, float]:
+        """Those of the engine that drew the last frame."""
+        return self._used.timings
+
+    def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
+        """The picture [H, W, 4], premultiplied, by the engine that is best at the moment."""
+        self._used = self._engines[self._next()]
+        started = time.perf_counter()
+        try:
+            picture = self._used.draw(raw, camera)
+        except Exception:
+            # a lost GL context or a kernel that cannot run here: the other engine draws the same picture
+            if len(self._engines) == 1:
+                raise
+            self._engines.pop(self._used.name).close()
+            return self.draw(raw, camera)
+        self._seconds[self._used.name].append(time.perf_counter() - started)
+        return picture
+
+    def close(self) -> None:
+        """Close both."""
+        for engine in self._engines.values():
+            engine.close()
+
+    def _next(self) -> str:
+        if len(self._engines) == 1:
+            return next(iter(self._engines))
+        if FastestEngine._decided is None:
+            if self._warmer.is_alive():
+                self._seconds["quads"].clear()  # while kernels compile, quads are slower than they will be
+                return "quads"
+            for name, seconds in self._seconds.items():
+                if len(seconds) <= _TRIALS:  # the first is the one that touches new memory, and does not count
+                    return name
+            FastestEngine._decided = min(self._seconds, key=lambda name: median(self._seconds[name][1:]))
+        elif FastestEngine._decided == "software" and self._warmer.is_alive():
+            return "quads"
+        return FastestEngine._decided
