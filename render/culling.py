@@ -28,16 +28,22 @@ def is_sane(position, wxyz, log_scales, logit):
     )
 
 
+@numba.njit(cache=True, inline="always")
+def view_depth(position, row):
+    """Distance from the camera's plane in metres, float64: it decides the order. ``row`` is the third of
+    world_to_camera."""
+    return row[0] * position[0] + row[1] * position[1] + row[2] * position[2] + row[3]
+
+
 @numba.njit(cache=True, error_model="numpy")
-def view_depths(positions, wxyz, log_scales, logits, matrix, depths):
+def view_depths(positions, wxyz, log_scales, logits, row, depths):
     """Write each splat's distance from the camera's plane in metres into ``depths`` [N], 0 where it is not drawn.
 
-    ``matrix`` [4, 4] float32 is world_to_camera; the arrays are those of RawGaussians.
+    ``row`` is the third of world_to_camera; it and ``depths`` are float64. The arrays are those of RawGaussians.
     """
     for i in range(len(positions)):
         depths[i] = 0
         if is_sane(positions[i], wxyz[i], log_scales[i], logits[i]):
-            p = positions[i]
-            z = matrix[2, 0] * p[0] + matrix[2, 1] * p[1] + matrix[2, 2] * p[2] + matrix[2, 3]
-            if z >= NEAR:
-                depths[i] = z
+            depths[i] = view_depth(positions[i], row)
+            if depths[i] < NEAR:
+                depths[i] = 0

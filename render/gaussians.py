@@ -56,3 +56,12 @@ def activate(raw: RawGaussians) -> Gaussians:
             opacities=1 / (1 + np.exp(-raw.opacity_logits)),
             colors=raw.colors,
         )
+
+
+def packed(raw: RawGaussians) -> RawGaussians:
+    """The same splats in writable, contiguous float32 arrays; copies only what is not so already.
+
+    Compiled code sees one type for every frame, or it would be compiled again for another.
+    """
+    arrays = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits, raw.colors)
+    return RawGaussians(*(np.require(array, np.float32, ["C", "W"]) for array in arrays))

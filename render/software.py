@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Camera
-from .culling import is_sane
-from .gaussians import RawGaussians
+from .culling import is_sane, view_depth
+from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, TRANSMITTANCE_MIN, VIEW_MARGIN
 from .sorting import front_to_back
 
@@ -33,7 +33,7 @@ class SoftwareEngine:
         """Stage -> seconds of the last frame: project, sort, draw."""
         self._records = np.empty((0, 8), np.float32)
         self._spans = np.empty((0, 4), np.int32)
-        self._depths = np.empty(0, np.float32)
+        self._depths = np.empty(0)
         self._orders = np.empty((2, 0), np.int32)
         self._pairs = np.empty(0, np.int32)
         self._image = np.empty((0, 0, 4), np.float32)
@@ -46,12 +46,19 @@ class SoftwareEngine:
         """
         started = time.perf_counter()
         self._fit(len(raw), camera)
-        # one type for every frame (writable, contiguous float32), or numba would compile again for another
-        raw = RawGaussians(*(np.require(array, np.float32, "CW") for array in vars(raw).values()))
+        raw = packed(raw)
         matrix = camera.world_to_camera.astype(np.float32)
         lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float32)
         splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
-        _project(*splats, matrix, lens, self._records, self._spans, self._depths)
+        _project(
+            *splats,
+            matrix,
+            np.ascontiguousarray(camera.world_to_camera[2]),
+            lens,
+            self._records,
+            self._spans,
+            self._depths,
+        )
         projected = time.perf_counter()
         visible = front_to_back(self._depths, self._orders)
         sorted_ = time.perf_counter()
@@ -72,8 +79,9 @@ class SoftwareEngine:
         flat, triple, wide = (numba.types.Array(numba.float32, n, "C") for n in (1, 2, 3))
         ints, pairs = numba.types.Array(numba.int32, 2, "C"), numba.types.Array(numba.int32, 1, "C")
         ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
-        _project.compile((triple, triple, triple, flat, triple, flat, triple, ints, flat))
-        front_to_back.compile((flat, ints))
+        doubles = numba.types.Array(numba.float64, 1, "C")
+        _project.compile((triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles))
+        front_to_back.compile((doubles, ints))
         _count.compile((pairs, whole, ints, whole, ends))
         _fill.compile((pairs, whole, ints, whole, ends, pairs))
         _rasterise.compile((pairs, ends, triple, triple, whole, whole, wide))
@@ -85,14 +93,14 @@ class SoftwareEngine:
         if len(self._depths) != splats:
             self._records = np.empty((splats, 8), np.float32)
             self._spans = np.empty((splats, 4), np.int32)
-            self._depths = np.empty(splats, np.float32)
+            self._depths = np.empty(splats)
             self._orders = np.empty((2, splats), np.int32)
         if self._image.shape[:2] != (camera.height, camera.width):
             self._image = np.empty((camera.height, camera.width, 4), np.float32)
 
 
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
-def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, depths):
+def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
     """Activation and EWA projection. A record: centre x y, conic a b c in units of log2,
     opacity, half box x y. A span: first and last column and row of tiles. Depth 0 is out."""
     fx, fy, cx, cy, width, height = lens[0], lens[1], lens[2], lens[3], lens[4], lens[5]
@@ -106,9 +114,10 @@ def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, 
         length = qw * qw + qx * qx + qy * qy + qz * qz
         x = matrix[0, 0] * px + matrix[0, 1] * py + matrix[0, 2] * pz + matrix[0, 3]
         y = matrix[1, 0] * px + matrix[1, 1] * py + matrix[1, 2] * pz + matrix[1, 3]
-        z = matrix[2, 0] * px + matrix[2, 1] * py + matrix[2, 2] * pz + matrix[2, 3]
-        if z < NEAR:
+        depth = view_depth(positions[i], row)
+        if depth < NEAR:
             continue
+        z = _F(depth)
         opacity = _F(1) / (_F(1) + np.exp(-logit))
         if opacity < ALPHA_MIN:
             continue
@@ -173,7 +182,7 @@ def _project(positions, wxyz, log_scales, logits, matrix, lens, records, spans, 
         spans[i, 1] = int(min(centre_x + half_x, width - 1) / TILE)
         spans[i, 2] = int(max(centre_y - half_y, _F(0)) / TILE)
         spans[i, 3] = int(min(centre_y + half_y, height - 1) / TILE)
-        depths[i] = z
+        depths[i] = depth
 
 
 @numba.njit(cache=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from . import shaders
 from .camera import Camera
 from .culling import view_depths
-from .gaussians import RawGaussians
+from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
 from .sorting import front_to_back
 
@@ -49,14 +49,16 @@ class SplatRenderer:
             self._projector = context.program(shaders.load("fullscreen"), project)
             quad = shaders.load("quad", ROW=ROW, SPLATS_PER_INSTANCE=SPLATS_PER_INSTANCE)
             self._drawer = context.program(quad, shaders.load("blend", **limits))
-            corners = np.arange(SPLATS_PER_INSTANCE, dtype=np.uint32)[:, None] * 4 + np.uint32([0, 1, 2, 2, 1, 3])
+            corners = np.arange(SPLATS_PER_INSTANCE, dtype=np.uint32)[:, None] * 4 + np.array(
+                [0, 1, 2, 2, 1, 3], np.uint32
+            )
             self._corners = context.buffer(corners.tobytes())
             self._everywhere = context.vertex_array(self._projector, [])
             self._quads = context.vertex_array(self._drawer, [], index_buffer=self._corners)
         self._splat_resources: list[moderngl.Texture | moderngl.Framebuffer] = []
         self._picture_resources: list[moderngl.Texture | moderngl.Framebuffer] = []
         self._rows = 0
-        self._depths = np.empty(0, np.float32)
+        self._depths = np.empty(0)
         self._orders = np.empty((2, 0), np.int32)
         self._image = np.empty((0, 0, 4), np.float32)
 
@@ -67,7 +69,7 @@ class SplatRenderer:
         large never reach the GPU's rasteriser, nor do those nearer than ``projection.NEAR``.
         """
         times = [time.perf_counter()]
-        raw = RawGaussians(*(np.require(array, np.float32, "CW") for array in vars(raw).values()))
+        raw = packed(raw)
         order = self._far_to_near(raw, camera)
         times.append(time.perf_counter())
         with self._context:
@@ -99,10 +101,10 @@ class SplatRenderer:
 
     def _far_to_near(self, raw: RawGaussians, camera: Camera) -> NDArray[np.uint32]:
         if len(self._depths) != len(raw):
-            self._depths = np.empty(len(raw), np.float32)
+            self._depths = np.empty(len(raw))
             self._orders = np.empty((2, len(raw)), np.int32)
-        matrix = camera.world_to_camera.astype(np.float32)
-        view_depths(raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits, matrix, self._depths)
+        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
+        view_depths(*splats, np.ascontiguousarray(camera.world_to_camera[2]), self._depths)
         visible = front_to_back(self._depths, self._orders)
         return np.ascontiguousarray(self._orders[0, :visible][::-1]).view(np.uint32)
 
