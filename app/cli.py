@@ -191,7 +191,7 @@ def bench(*, json: Path | None = None) -> int:
     """
     from .bench import run_bench
 
-    run_bench(json=json)
+    run_bench(json=json, quick=quick, avatar=avatar)
     return ExitCode.OK
 
 

@@ -1,6 +1,7 @@
 """The picture without a GPU: a fused tile rasteriser on all cores, of the same picture as the other engines."""
 
 import time
+from typing import Any
 
 import numba
 import numpy as np
@@ -80,11 +81,15 @@ class SoftwareEngine:
         ints, pairs = numba.types.Array(numba.int32, 2, "C"), numba.types.Array(numba.int32, 1, "C")
         ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
         doubles = numba.types.Array(numba.float64, 1, "C")
-        _project.compile((triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles))
-        front_to_back.compile((doubles, ints))
-        _count.compile((pairs, whole, ints, whole, ends))
-        _fill.compile((pairs, whole, ints, whole, ends, pairs))
-        _rasterise.compile((pairs, ends, triple, triple, whole, whole, wide))
+        signatures = (
+            (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles)),
+            (front_to_back, (doubles, ints)),
+            (_count, (pairs, whole, ints, whole, ends)),
+            (_fill, (pairs, whole, ints, whole, ends, pairs)),
+            (_rasterise, (pairs, ends, triple, triple, whole, whole, wide)),
+        )
+        for kernel, types in signatures:
+            _compile(kernel, types)
 
     def close(self) -> None:
         """Nothing to give back; every engine has it."""
@@ -97,6 +102,10 @@ class SoftwareEngine:
             self._orders = np.empty((2, splats), np.int32)
         if self._image.shape[:2] != (camera.height, camera.width):
             self._image = np.empty((camera.height, camera.width, 4), np.float32)
+
+
+def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
+    kernel.compile(types)  # what njit returns has no type that a checker knows
 
 
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")

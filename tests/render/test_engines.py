@@ -1,0 +1,133 @@
+"""Opening engines, and the choice between them."""
+
+import sys
+import threading
+
+import numpy as np
+import pytest
+from gemheads.render import contexts
+from gemheads.render.camera import Camera
+from gemheads.render.engines import FastestEngine, open_engine
+from gemheads.render.gaussians import RawGaussians
+from gemheads.render.software import SoftwareEngine
+
+from .scenes import portrait_camera, shell
+
+RAW, CAMERA = shell(50), portrait_camera(16, 16)
+
+
+class Counting:
+    """An engine that draws nothing and counts how often."""
+
+    timings: dict[str, float] = {}  # noqa: RUF012
+    description = "for tests"
+
+    def __init__(self, name: str, fails: bool = False) -> None:
+        self.name, self.fails = name, fails
+        self.drawn, self.closed = 0, False
+        self.may_warm = threading.Event()
+
+    def draw(self, raw: RawGaussians, camera: Camera) -> np.ndarray:
+        self.drawn += 1
+        if self.fails:
+            raise RuntimeError("lost")
+        return np.zeros((camera.height, camera.width, 4), np.float32)
+
+    def warm(self) -> None:
+        self.may_warm.wait(5)
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.fixture(autouse=True)
+def undecided(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(FastestEngine, "_decided", None)
+
+
+def fastest(quads: Counting, software: Counting) -> FastestEngine:
+    return FastestEngine(quads, software)  # pyright: ignore[reportArgumentType]
+
+
+def test_quads_draw_until_the_kernels_are_ready_then_both_are_tried() -> None:
+    quads, software = Counting("quads"), Counting("software")
+    engine = fastest(quads, software)
+    for _ in range(20):
+        engine.draw(RAW, CAMERA)
+    assert (quads.drawn, software.drawn) == (20, 0)
+    software.may_warm.set()
+    engine._warmer.join()
+    for _ in range(20):
+        engine.draw(RAW, CAMERA)
+    assert FastestEngine._decided in ("quads", "software")
+    assert engine.name == FastestEngine._decided
+    assert software.drawn >= 4
+    engine.close()
+    assert quads.closed
+    assert software.closed
+
+
+@pytest.mark.parametrize("lost", ["quads", "software"])
+def test_the_other_engine_takes_over(lost: str) -> None:
+    made = {name: Counting(name, fails=name == lost) for name in ("quads", "software")}
+    engine = fastest(made["quads"], made["software"])
+    made["software"].may_warm.set()
+    engine._warmer.join()
+    for _ in range(10):
+        assert engine.draw(RAW, CAMERA).shape == (16, 16, 4)
+    assert engine.name != lost
+    assert made[lost].drawn == 1
+    assert made[lost].closed
+
+
+def test_both_lost_is_an_error() -> None:
+    engine = fastest(Counting("quads", fails=True), Counting("software", fails=True))
+    with pytest.raises(RuntimeError, match="lost"):
+        engine.draw(RAW, CAMERA)
+
+
+def test_auto_without_opengl_is_software(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> None:
+        raise contexts.NoOpenGLError("none here")
+
+    monkeypatch.setattr(contexts, "offscreen_context", none)
+    assert isinstance(open_engine("auto"), SoftwareEngine)
+    with pytest.raises(contexts.NoOpenGLError):
+        open_engine("quads")
+
+
+def test_missing_opengl_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(**_: object) -> None:
+        raise Exception("libEGL.so.1: cannot open shared object file")
+
+    monkeypatch.setattr(contexts.moderngl, "create_context", broken)
+    with pytest.raises(contexts.NoOpenGLError, match=r"libEGL.*install OpenGL"):
+        contexts.offscreen_context()
+
+
+def test_unknown_engine() -> None:
+    with pytest.raises(ValueError, match="auto, quads and software"):
+        open_engine("vulkan")  # pyright: ignore[reportArgumentType]
+
+
+def test_software_needs_no_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "moderngl", None)
+    monkeypatch.delitem(sys.modules, "gemheads.render.contexts", raising=False)
+    assert open_engine("software").draw(RAW, CAMERA).any()
+
+
+def test_auto_draws_at_once_and_closes() -> None:
+    engine = open_engine("auto")
+    assert engine.draw(RAW, CAMERA).any()
+    assert engine.timings
+    engine.close()
+
+
+def test_warming_compiles_what_drawing_needs() -> None:
+    engine = SoftwareEngine()
+    engine.warm()
+    from gemheads.render import software
+
+    kernels = (software._project, software._count, software._fill, software._rasterise, software.front_to_back)
+    engine.draw(RAW, CAMERA)
+    assert [len(kernel.signatures) for kernel in kernels] == [1] * len(kernels)
