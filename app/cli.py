@@ -183,11 +183,18 @@ def export(
 
 
 @app.command
-def bench(*, json: Path | None = None) -> int:
+def bench(
+    *,
+    avatar: AvatarName = None,
+    json: Path | None = None,
+    quick: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
     """Measure drawing on this machine: median milliseconds by stage and frames per second.
 
     Args:
+        avatar: Name of an avatar or a .gem file to measure besides the synthetic scenes.
         json: Also write the figures as JSON.
+        quick: Only the smallest scene.
     """
     from .bench import run_bench
 
