@@ -14,11 +14,11 @@ from .sampling import scatter
 from .shading import Shader, collar_height
 from .skin import points_of
 from .splats import Rider, joined, ride
-from .strands import brow_rider, hair_rider, lash_rider
+from .strands import brow_rider, glint_rider, hair_rider, lash_rider
 
 Floats = NDArray[np.floating]
 
-SHARES = {"hair": 0.25, "lashes": 0.012, "brows": 0.026}
+SHARES = {"lashes": 0.012, "brows": 0.026}
 """Parts of the budget that are strands; the rest lies on surfaces."""
 TANGENT_SIGMA = 0.66
 NORMAL_SIGMA = 0.08
@@ -59,13 +59,14 @@ def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
     corners = head.triangles
     position = head.vertices[corners].mean(1)
     skin = head.parts == SKIN
-    density = np.full(len(corners), 0.55)
+    density = np.full(len(corners), 0.65)
     face = np.exp(-(((canvas[:, 0]) / 0.062) ** 4 + ((canvas[:, 1] + 0.035) / 0.085) ** 4)) * (canvas[:, 2] > -0.035)
     density += 2.6 * face
     x, y = np.abs(canvas[:, 0]), canvas[:, 1]
     density += 4.0 * np.exp(-(((x - 0.031) / 0.021) ** 4 + (y / 0.013) ** 4)) * (canvas[:, 2] > -0.02)
     density += 2.5 * np.exp(-((x / 0.032) ** 4 + ((y + 0.068) / 0.020) ** 4)) * (canvas[:, 2] > -0.01)
     density += 10.0 * sample_map(shader.maps.lids, uv)[:, 0] + 7.0 * sample_map(shader.maps.lips, uv)[:, 0]
+    density += 1.2 * sample_map(shader.maps.ears, uv)[:, 0]
     density *= 1 - 0.35 * np.clip(canvas[:, 1] / 0.06, 0, 1)
     density = np.where(shader.scalp[corners].mean(1) > 0.6, 0.28, density)
     collar = collar_height(position)
@@ -73,8 +74,8 @@ def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
     density = np.where(sample_map(shader.maps.mouth, uv)[:, 0] > 0.5, 1.4, density)
     density = np.where(skin, density, 0)
     density[head.parts == EYES] = 12.0
-    density[head.parts == TEETH] = 14.0
-    density[head.parts == TONGUE] = 3.5
+    density[head.parts == TEETH] = 9.0
+    density[head.parts == TONGUE] = 3.0
     rest = _areas(head.vertices, corners)
     grown = np.ones(len(corners))
     for weights in PROBES[1:4]:
@@ -117,11 +118,12 @@ def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> 
     """At most ``count`` splats of one person, surfaces first, then strands."""
     rng = np.random.default_rng(seed)
     head, person = shader.head, shader.person
-    hair = hair_rider(head, person, ingredients, shader.light, int(SHARES["hair"] * count), rng)
+    hair = hair_rider(head, person, ingredients, shader.light, int(person.hair.share * count), rng)
     lashes = lash_rider(head, person, ingredients, int(SHARES["lashes"] * count), rng)
     brows = brow_rider(head, person, shader.brows, shader.light, int(SHARES["brows"] * count), rng)
-    surface = surface_rider(shader, count - len(hair) - len(lashes) - len(brows), rng)
-    return joined([surface, brows, lashes, hair])
+    glints = glint_rider(head)
+    surface = surface_rider(shader, count - len(hair) - len(lashes) - len(brows) - len(glints), rng)
+    return joined([surface, brows, lashes, hair, glints])
 
 
 def _spacing(position: Floats, part: NDArray[np.uint8]) -> Floats:

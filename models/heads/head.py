@@ -7,22 +7,41 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.camera import Camera
 from ..arkit import NAMES
 from .ingredients import Ingredients
 from .maps import load_map, sample_map
+from .meshview import see
 from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
 from .people import Person
 from .proxies import Proxy, load_proxy
 
 Floats = NDArray[np.floating]
 
-PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair")
-SKIN, EYES, TEETH, TONGUE, LASHES, HAIR = range(6)
+PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair", "glints")
+SKIN, EYES, TEETH, TONGUE, LASHES, HAIR, GLINTS = range(7)
 CROP_BELOW_CROWN = 3.75
 """Decimetres of body kept below the crown: head, neck and the top of the shoulders."""
-GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 24.0, "Down": 27.0}
+GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 28.0, "Down": 32.0}
 """Degrees an eyeball turns at weight 1."""
-LID_CLEARANCE = 1.025
+GLINTS_TOWARD = ((-0.20, 0.17, 1.0), (0.24, -0.10, 1.0))
+"""Where on an eyeball the key and the fill lamp are mirrored; they stay when the eye turns."""
+GAIN = {
+    "browInnerUp": 1.6,
+    "browOuterUpLeft": 1.25,
+    "browOuterUpRight": 1.25,
+    "mouthPucker": 1.2,
+    "mouthFunnel": 1.2,
+    "mouthUpperUpLeft": 1.25,
+    "mouthUpperUpRight": 1.25,
+    "eyeWideLeft": 1.4,
+    "eyeWideRight": 1.4,
+}
+"""Factors on shapes that are timid: measured on the face tracker, whose scores of people they should reach."""
+UPPER_TEETH_DROP, LOWER_TEETH_DROP = 0.034, 0.030
+TONGUE_SHIFT = np.array([0.0, -0.05, -0.03])
+"""Decimetres: MakeHuman's teeth hide behind the upper lip; incisors should reach just below where the lips meet."""
+LID_CLEARANCE = 1.035
 """Lids ride at this multiple of the eyeball's radius."""
 
 
@@ -44,7 +63,10 @@ class Head:
     """[V, 3] the vertex on the average MakeHuman head, metres from between its eyes: where detail is painted."""
     eye_centers: NDArray[np.float32]
     """[2, 3] left, right (the person's)."""
+    eye_axes: NDArray[np.float32]
+    """[2, 3] where the pupils point at rest: through the middle of the open lids."""
     eye_radius: float
+    """Metres."""
     eye_of_vertex: NDArray[np.int8]
     """[V] 0 or 1 for vertices of the left or right eyeball, else -1."""
     lid_of_vertex: NDArray[np.int8]
@@ -91,7 +113,9 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         weight * load_target(ingredients.mpfb / "targets" / f"{path}.target.gz", count)
         for path, weight in person.targets.items()
     )
-    units = np.stack([load_target(ingredients.face_units / f"{name}.target", count) for name in NAMES])
+    units = np.stack(
+        [GAIN.get(name, 1.0) * load_target(ingredients.face_units / f"{name}.target", count) for name in NAMES]
+    )
     for side in ("Left", "Right"):
         units[NAMES.index(f"eyeBlink{side}")] *= blink
     rest = sum(weight * units[NAMES.index(name)] for name, weight in person.rest.items())
@@ -123,8 +147,15 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
     for part, proxy in proxies:
         binding = proxy.binding(count)
         rigid = part in (EYES, HAIR)
-        vertices.append(proxy.fit(body if rigid else flesh))
-        deltas.append(np.zeros((len(NAMES), len(proxy.refs), 3)) if rigid else np.stack([binding @ u for u in units]))
+        moves = np.zeros((len(NAMES), len(proxy.refs), 3)) if rigid else np.stack([binding @ u for u in units])
+        fitted = proxy.fit(body if rigid else flesh)
+        jaw = np.linalg.norm(moves[NAMES.index("jawOpen")], axis=1) > 1e-3
+        if part == TEETH:
+            fitted[:, 1] -= np.where(jaw, LOWER_TEETH_DROP, UPPER_TEETH_DROP)
+        elif part == TONGUE:
+            fitted += TONGUE_SHIFT
+        vertices.append(fitted)
+        deltas.append(moves)
         average.append(proxy.fit(base.vertices))
         triangles.append(proxy.triangles + start)
         texture.append(proxy.texture)
@@ -138,7 +169,7 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
     eye_of_vertex[in_eye] = (points[in_eye, 0] < 0).astype(np.int8)
     part_of = np.concatenate(parts)
     side_of = eye_of_vertex[np.unique(faces[part_of == EYES])]
-    centers = np.stack([body[np.unique(base.quads[groups == f"helper-{s}-eye"])].mean(0) for s in "lr"])
+    centers = np.stack([_sphere_center(points[in_eye][eye_of_vertex[in_eye] == side]) for side in (0, 1)])
     radius = float(np.median(np.linalg.norm(points[np.unique(faces[part_of == EYES])] - centers[side_of], axis=1)))
     origin = _between_ears(base, body, is_body, ingredients)
     lid = np.full(len(points), -1, np.int8)
@@ -146,8 +177,18 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         reach = np.linalg.norm(points[:eye_start] - center, axis=1)
         in_front = points[:eye_start, 2] > center[2]
         lid[:eye_start][(reach > radius) & (reach < 1.6 * radius) & in_front] = side
-    all_average = np.concatenate(average)
     average_eyes = base.vertices[np.unique(base.quads[np.char.endswith(groups, "-eye")])].mean(0)
+    glints = _glint_triangles(centers, radius)
+    points = np.concatenate([points, glints])
+    faces = np.concatenate([faces, start + np.arange(len(glints)).reshape(-1, 3)])
+    part_of = np.concatenate([part_of, np.full(len(glints) // 3, GLINTS)])
+    texture.append(np.zeros((len(glints) // 3, 3, 2)))
+    deltas.append(np.zeros((len(NAMES), len(glints), 3)))
+    eye_of_vertex = np.append(eye_of_vertex, np.full(len(glints), -1, np.int8))
+    lid = np.append(lid, np.full(len(glints), -1, np.int8))
+    average.append(np.tile(average_eyes, (len(glints), 1)))
+    all_average = np.concatenate(average)
+    axes = _aimed_eyes(points, faces[part_of <= EYES], eye_of_vertex, centers, radius)
     return Head(
         vertices=((points - origin) / 10).astype(np.float32),
         deltas=(np.concatenate(deltas, 1) / 10).astype(np.float32),
@@ -156,6 +197,7 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         parts=part_of.astype(np.uint8),
         canvas=((all_average - average_eyes) / 10).astype(np.float32),
         eye_centers=((centers - origin) / 10).astype(np.float32),
+        eye_axes=axes.astype(np.float32),
         eye_radius=radius / 10,
         eye_of_vertex=eye_of_vertex,
         lid_of_vertex=lid,
@@ -175,3 +217,43 @@ def _without_cornea(eyes: Proxy, proxy_root: Path) -> Proxy:
     """The eye proxy without its clear outer shell, whose texture is transparent."""
     alpha = sample_map(load_map(proxy_root / "eyes/HighPolyEyes/textures/brown_eye.png"), eyes.texture.mean(1))[:, 3]
     return replace(eyes, triangles=eyes.triangles[alpha > 0.5], texture=eyes.texture[alpha > 0.5])
+
+
+def _sphere_center(points: Floats) -> Floats:
+    """Centre [3] of the sphere nearest to ``points`` [P, 3] (linear least squares)."""
+    system = np.concatenate([2 * points, np.ones((len(points), 1))], 1)
+    return np.linalg.lstsq(system, (points**2).sum(1), rcond=None)[0][:3]
+
+
+def _glint_triangles(centers: Floats, radius: float) -> Floats:
+    """Corners [2 eyes x 2 lamps x 3, 3] of small triangles that touch the eyeballs where the lamps are mirrored."""
+    corners = []
+    for center in centers:
+        for toward in np.array(GLINTS_TOWARD):
+            unit = toward / np.linalg.norm(toward)
+            x = np.cross([0, 1.0, 0], unit)
+            y = np.cross(unit, x)
+            middle = center + 1.015 * radius * unit
+            corners += [middle + 0.01 * (np.cos(a) * x + np.sin(a) * y) for a in (0, 2 * np.pi / 3, 4 * np.pi / 3)]
+    return np.array(corners)
+
+
+def _aimed_eyes(points: Floats, faces: NDArray[np.int64], eye_of_vertex: NDArray[np.int8], centers: Floats, radius: float) -> Floats:
+    """Directions [2, 3] from the eyeballs' centres through the middle of the open lids, seen from the front.
+
+    Some identities droop or widen the lids away from the eyeballs' middles; pupils that stayed level would look up.
+    """
+    camera = Camera(4e4, 4e4, 256, 128, 512, 256, np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1000.0], [0, 0, 0, 1]]))
+    shifted = points - np.array([0, centers[0, 1], 0])
+    seen, _, _ = see(shifted * np.array([1, 1, 1]), faces, camera)
+    side_of_face = np.where(seen >= 0, eye_of_vertex[faces[np.maximum(seen, 0), 0]], -1)
+    axes = []
+    for side, center in enumerate(centers):
+        row, _ = np.nonzero(side_of_face == side)
+        if len(row) == 0:
+            axes.append([0.0, 0, 1])
+            continue
+        height = (128 - 0.5 * (row.min() + row.max() + 1)) / 40
+        tilt = np.clip(0.8 * (height - (center[1] - centers[0, 1])) / radius + 0.02, -0.3, 0.3)
+        axes.append([0.0, np.sin(tilt), np.cos(tilt)])
+    return np.array(axes)

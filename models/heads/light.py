@@ -37,15 +37,15 @@ def environment(directions: Floats) -> Floats:
     return light
 
 
-def irradiance(head: Head, vertices: Floats, rays: int = 144, seed: int = 1) -> Floats:
-    """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin, teeth and tongue, dimmed by hair."""
+def irradiance(head: Head, vertices: Floats, cards: NDArray[np.bool_], rays: int = 144, seed: int = 1) -> Floats:
+    """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin, teeth and tongue, dimmed by hair on ``cards`` [F]."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
     solid, veil = EmbreeScene(), EmbreeScene()
     blocks = np.isin(head.parts, (SKIN, TEETH, TONGUE))
     TriangleMesh(solid, np.ascontiguousarray(vertices[head.triangles[blocks]], np.float32))
-    TriangleMesh(veil, np.ascontiguousarray(vertices[head.triangles[head.parts == HAIR]], np.float32))
+    TriangleMesh(veil, np.ascontiguousarray(vertices[head.triangles[cards]], np.float32))
 
     normals = vertex_normals(vertices.astype(float), head.triangles)
     part = part_of_vertex(head)
@@ -110,22 +110,34 @@ def spread_under_skin(head: Head, light: Floats) -> Floats:
     return result
 
 
-def bake(head: Head, pose_open: Floats, pose_shut: Floats, mouth: Floats, lids: Floats, lips: Floats) -> Floats:
+def bake(
+    head: Head,
+    poses: tuple[Floats, Floats],
+    cards: NDArray[np.bool_],
+    mouth: Floats,
+    lids: Floats,
+    lips: Floats,
+) -> Floats:
     """Irradiance [V, 3] that serves all expressions.
 
-    ``pose_open`` and ``pose_shut`` are the vertices [V, 3] with the mouth open and the eyes shut; ``mouth``, ``lids`` and
+    ``poses`` are the vertices [V, 3] with the mouth open and with the eyes shut; ``cards`` [F] is opaque hair; ``mouth``, ``lids`` and
     ``lips`` [V] in [0, 1] say how far a vertex takes its light from these poses.
     """
-    neutral = irradiance(head, head.vertices)
-    opened = irradiance(head, pose_open)
-    shut = irradiance(head, pose_shut)
+    pose_open, pose_shut = poses
+    neutral = irradiance(head, head.vertices, cards)
+    opened = irradiance(head, pose_open, cards)
+    shut = irradiance(head, pose_shut, cards)
     part = part_of_vertex(head)
     inside = np.maximum(mouth, np.isin(part, (TEETH, TONGUE)))[:, None]
     light = neutral + inside * (opened - neutral)
     light += 0.45 * lips[:, None] * (1 - inside) * (opened - neutral)
     light += 0.6 * lids[:, None] * (shut - neutral)
     eyes = part == EYES
-    light[eyes] = np.maximum(light[eyes], 0.35)
+    light[eyes] = np.maximum(light[eyes] * np.clip(light[eyes].mean(1, keepdims=True), 0.5, 1), 0.28)
+    teeth = part == TEETH
+    depth = head.vertices[teeth, 2:].max() - head.vertices[teeth, 2:]
+    bright = np.clip(0.62 - 25 * depth, 0.10, 0.62)  # the front row catches light that the rays miss
+    light[teeth] = np.clip(1.6 * light[teeth], bright, 0.4 + 1.6 * bright)
     return spread_under_skin(head, light)
 
 

@@ -19,6 +19,14 @@ class Hair:
     """Strength of the highlight, 0..1."""
     grow: float = 0.0
     """Metres by which the card is lifted off the scalp."""
+    curl: float = 0.0
+    """How far strands stray from the card's strokes; 3 is frizz."""
+    length: float = 1.0
+    """Factor on the length of the strands' splats."""
+    combed: bool = False
+    """Strands run along the card's v axis, whatever its texture says."""
+    share: float = 0.27
+    """Of all splats."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +43,11 @@ class Person:
     brow: str
     """Folder of the brow proxy in proxies/eyebrows."""
     brow_color: Rgb
+    """sRGB"""
     hair: Hair
     seed: int
+    brow_lift: float = 0.0025
+    """Metres by which the brows' inner ends are raised."""
     skin_gain: Rgb = (1.0, 1.0, 1.0)
     """Factor on the diffuse map, linear light."""
     lip: Rgb = (0.72, 0.40, 0.38)
@@ -70,7 +81,16 @@ def _macro(race: dict[str, float], sex: dict[str, float], age: dict[str, float])
     return macro
 
 
-FRIENDLY = {"browInnerUp": 0.10, "eyeWideLeft": 0.12, "eyeWideRight": 0.12, "mouthSmileLeft": 0.06, "mouthSmileRight": 0.06}
+FRIENDLY = {
+    "browInnerUp": 0.20,
+    "mouthClose": 0.035,
+    "browOuterUpLeft": 0.12,
+    "browOuterUpRight": 0.12,
+    "eyeWideLeft": 0.20,
+    "eyeWideRight": 0.20,
+    "mouthSmileLeft": 0.10,
+    "mouthSmileRight": 0.10,
+}
 
 MARA = Person(
     name="mara",
@@ -79,7 +99,7 @@ MARA = Person(
     eye="green",
     brow="eyebrow001",
     brow_color=(0.36, 0.215, 0.145),
-    hair=Hair("long01", (0.30, 0.155, 0.09), (0.56, 0.32, 0.18), gloss=0.6),
+    hair=Hair("long01", (0.30, 0.155, 0.09), (0.56, 0.32, 0.18), gloss=0.6, combed=True),
     seed=11,
     freckles=0.6,
     rest=FRIENDLY,
@@ -87,27 +107,31 @@ MARA = Person(
 
 THEO = Person(
     name="theo",
-    targets=_macro({"caucasian": 1.0}, {"male": 1.0}, {"young": 0.35, "old": 0.65}),
+    targets=_macro({"caucasian": 1.0}, {"male": 1.0}, {"young": 0.15, "old": 0.85}),
     skin="middleage_caucasian_male/textures/middleage_lightskinned_male_diffuse.png",
     eye="lightblue",
-    brow="eyebrow006",
-    brow_color=(0.40, 0.36, 0.33),
-    hair=Hair("short04", (0.46, 0.45, 0.44), (0.72, 0.71, 0.69), gloss=0.35),
+    brow="eyebrow009",
+    brow_color=(0.36, 0.32, 0.29),
+    hair=Hair("short04", (0.52, 0.51, 0.50), (0.74, 0.73, 0.71), gloss=0.25),
     seed=23,
-    stubble=0.5,
-    wrinkles=0.8,
-    rest=FRIENDLY,
+    lip=(0.60, 0.40, 0.36),
+    stubble=0.45,
+    wrinkles=1.0,
+    brow_lift=0.0,
+    rest=FRIENDLY | {"browInnerUp": 0.05, "mouthSmileLeft": 0.20, "mouthSmileRight": 0.20},
 )
 
 JONAH = Person(
     name="jonah",
-    targets=_macro({"african": 1.0}, {"male": 1.0}, {"young": 1.0}),
+    targets=_macro({"african": 1.0}, {"male": 1.0}, {"young": 1.0})
+    | {"mouth/mouth-scale-horiz-incr": 0.35, "mouth/mouth-lowerlip-volume-decr": 0.3, "mouth/mouth-upperlip-volume-decr": 0.3},
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
     eye="brown",
-    brow="eyebrow001",
+    brow="eyebrow008",
     brow_color=(0.07, 0.05, 0.045),
-    hair=Hair("short01", (0.06, 0.05, 0.045), (0.16, 0.13, 0.11), gloss=0.25),
+    hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
     seed=37,
+    lip=(0.40, 0.235, 0.215),
     stubble=0.35,
     rest=FRIENDLY,
 )
@@ -117,10 +141,11 @@ LIN = Person(
     targets=_macro({"asian": 1.0}, {"female": 1.0}, {"young": 1.0}),
     skin="young_asian_female/textures/young_lightskinned_female_diffuse3.png",
     eye="brown",
-    brow="eyebrow012",
+    brow="eyebrow004",
     brow_color=(0.12, 0.09, 0.08),
     hair=Hair("ponytail01", (0.09, 0.07, 0.065), (0.22, 0.17, 0.14), gloss=0.8),
     seed=51,
+    brow_lift=0.0045,
     rest=FRIENDLY,
 )
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ...render.camera import Camera, orbit
 from ...render.gaussians import RawGaussians, activate
+from ...render.projection import ALPHA_MAX, ALPHA_MIN, DILATION
 from ...render.rotations import matrix_from_wxyz
 from .expressions import weights_of
 from .head import EYES, SKIN, TEETH, TONGUE
@@ -20,7 +22,6 @@ Floats = NDArray[np.floating]
 
 STEP = 1.6
 """Over-relaxation of the diagonal-preconditioned descent."""
-ALPHA_LEAST = 1 / 255
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class View:
     """[H, W] where the mesh is."""
 
 
-def views_of(shader: Shader, rider: Rider, size: int = 512, supersample: int = 2) -> list[View]:
+def views_of(shader: Shader, rider: Rider, size: int = 400, supersample: int = 2) -> list[View]:
     """Pictures of the surfaces, without strands, from all around and in telling expressions."""
     smile = weights_of(mouthSmile=0.9, jawOpen=0.18, mouthUpperUp=0.6, mouthLowerDown=0.4)
     shots: list[tuple[Floats, float, float, float]] = [
@@ -72,71 +73,59 @@ def views_of(shader: Shader, rider: Rider, size: int = 512, supersample: int = 2
 def refined(colors: Floats, views: Sequence[View], steps: int = 8) -> NDArray[np.float32]:
     """Colours [N, 3] after ``steps`` of c += 1.6 W^T residual / W^T 1, W the splats' weights in all views."""
     colors = colors.astype(np.float64)
-    plans = [_plan(view.raw, view.camera) for view in views]
+    blends = [_weights(view) for view in views]
+    targets = [view.target[view.covered].astype(np.float64) for view in views]
+    mass = sum(np.asarray(blend.sum(0)).ravel() for blend in blends)
+    seen = mass > 1e-3
     for _ in range(steps):
-        push = np.zeros_like(colors)
-        mass = np.zeros(len(colors))
-        for view, plan in zip(views, plans, strict=True):
-            picture = _blend(*plan, colors, *view.covered.shape)
-            residual = np.where(view.covered[..., None], view.target - picture, 0)
-            _gather(*plan, residual, view.covered, push, mass)
-        seen = mass > 1e-3
+        push = sum(blend.T @ (target - blend @ colors) for blend, target in zip(blends, targets, strict=True))
         colors[seen] = np.clip(colors[seen] + STEP * push[seen] / mass[seen, None], 0, 1)
     return colors.astype(np.float32)
 
 
-def _plan(raw: RawGaussians, camera: Camera) -> tuple[NDArray[np.int64], Floats, Floats, Floats, Floats]:
-    """Order front to back, centres, inverse covariances, half sizes, opacities of the splats on the picture (EWA)."""
-    splats = activate(raw)
+def _weights(view: View) -> sparse.csr_matrix:
+    """[covered pixels, N] how much of each splat's colour each pixel shows (EWA, blended front to back)."""
+    camera, splats = view.camera, activate(view.raw)
     rotation = camera.world_to_camera[:3, :3]
     points = splats.positions @ rotation.T + camera.world_to_camera[:3, 3]
     x, y, z = points.T
     axes = rotation @ (matrix_from_wxyz(splats.wxyz) * splats.scales[:, None, :])
     across = camera.fx * (axes[:, 0] / z[:, None] - axes[:, 2] * (x / z**2)[:, None])
     down = camera.fy * (axes[:, 1] / z[:, None] - axes[:, 2] * (y / z**2)[:, None])
-    a, b, c = (across**2).sum(1) + 0.3, (across * down).sum(1), (down**2).sum(1) + 0.3
+    a, b, c = (across**2).sum(1) + DILATION, (across * down).sum(1), (down**2).sum(1) + DILATION
     det = a * c - b * b
-    reach = np.sqrt(2 * np.log(np.maximum(splats.opacities / ALPHA_LEAST, 1)))
+    reach = np.sqrt(2 * np.log(np.maximum(splats.opacities / ALPHA_MIN, 1)))
     center = np.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], 1)
     inverse = np.stack([c / det, -b / det, a / det], 1)
     half = np.stack([reach * np.sqrt(a), reach * np.sqrt(c)], 1)
-    return np.argsort(z, kind="stable"), center, inverse, half, splats.opacities.astype(np.float64)
+    order = np.argsort(z, kind="stable")
+    pixel = np.where(view.covered, np.cumsum(view.covered).reshape(view.covered.shape) - 1, -1)
+    room = int((4 * half[:, 0] * half[:, 1] + 2 * half.sum(1) + 4).sum())
+    rows, columns, values = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.float32)
+    used = _list(order, center, inverse, half, splats.opacities, pixel, rows, columns, values)
+    shape = (int(view.covered.sum()), len(order))
+    return sparse.csr_matrix((values[:used], (rows[:used], columns[:used])), shape=shape)
 
 
 @njit(cache=True)
-def _blend(order, center, inverse, half, opacity, colors, height, width):
-    picture = np.zeros((height, width, 3))
+def _list(order, center, inverse, half, opacity, pixel, rows, columns, values):
+    height, width = pixel.shape
     clear = np.ones((height, width))
+    used = 0
     for i in order:
+        left, right = max(0, int(center[i, 0] - half[i, 0])), min(width, int(center[i, 0] + half[i, 0]) + 1)
         for row in range(max(0, int(center[i, 1] - half[i, 1])), min(height, int(center[i, 1] + half[i, 1]) + 1)):
-            for column in range(max(0, int(center[i, 0] - half[i, 0])), min(width, int(center[i, 0] + half[i, 0]) + 1)):
+            for column in range(left, right):
+                if clear[row, column] < 2e-3:
+                    continue
                 dx, dy = column + 0.5 - center[i, 0], row + 0.5 - center[i, 1]
                 power = inverse[i, 0] * dx * dx + 2 * inverse[i, 1] * dx * dy + inverse[i, 2] * dy * dy
-                alpha = min(0.99, opacity[i] * np.exp(-0.5 * power))
-                if alpha < ALPHA_LEAST:
+                alpha = min(ALPHA_MAX, opacity[i] * np.exp(-0.5 * power))
+                if alpha < ALPHA_MIN:
                     continue
                 weight = alpha * clear[row, column]
                 clear[row, column] -= weight
-                for k in range(3):
-                    picture[row, column, k] += weight * colors[i, k]
-    return picture
-
-
-@njit(cache=True)
-def _gather(order, center, inverse, half, opacity, residual, covered, push, mass):
-    height, width = covered.shape
-    clear = np.ones((height, width))
-    for i in order:
-        for row in range(max(0, int(center[i, 1] - half[i, 1])), min(height, int(center[i, 1] + half[i, 1]) + 1)):
-            for column in range(max(0, int(center[i, 0] - half[i, 0])), min(width, int(center[i, 0] + half[i, 0]) + 1)):
-                dx, dy = column + 0.5 - center[i, 0], row + 0.5 - center[i, 1]
-                power = inverse[i, 0] * dx * dx + 2 * inverse[i, 1] * dx * dy + inverse[i, 2] * dy * dy
-                alpha = min(0.99, opacity[i] * np.exp(-0.5 * power))
-                if alpha < ALPHA_LEAST:
-                    continue
-                weight = alpha * clear[row, column]
-                clear[row, column] -= weight
-                if covered[row, column]:
-                    mass[i] += weight
-                    for k in range(3):
-                        push[i, k] += weight * residual[row, column, k]
+                if pixel[row, column] >= 0:
+                    rows[used], columns[used], values[used] = pixel[row, column], i, weight
+                    used += 1
+    return used

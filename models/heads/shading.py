@@ -1,10 +1,12 @@
 """Colour of every point of the head: albedo, baked light, sheen, eyes, teeth, cloth."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arkit import NAMES
 from .brows import BrowMap, paint_brows
 from .expressions import weights_of
 from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
@@ -18,12 +20,18 @@ from .skin import SkinMaps, albedo, load_skin_maps, points_of
 Floats = NDArray[np.floating]
 
 EXPOSURE = 0.92
-IRIS_RAD = 0.455
+IRIS_RAD = 0.405
 """Half angle of the iris, from the eyeball's centre."""
-PUPIL_RAD = 0.17
+PUPIL_RAD = 0.155
+COLLAR_EDGE = 0.004
+"""Metres over which skin turns into cloth."""
+CROWN = 0.0105
+"""Metres of tooth that may show above the tip."""
+TOOTH_GAPS = (0.0, 0.0078, 0.0138, 0.0186, 0.0222)
+"""Metres from the middle."""
 IRIS_COLORS = {
-    "green": (0.30, 0.36, 0.22),
-    "lightblue": (0.36, 0.47, 0.56),
+    "green": (0.33, 0.36, 0.22),
+    "lightblue": (0.37, 0.44, 0.50),
     "brown": (0.25, 0.135, 0.07),
     "blue": (0.24, 0.36, 0.52),
 }
@@ -41,6 +49,10 @@ class Shader:
     """[V, 3] irradiance after subsurface scattering."""
     scalp: NDArray[np.floating]
     """[V] in [0, 1]: skin under the hair."""
+    tooth_tip: float
+    """Height of the upper incisors' edge, metres."""
+    arch: NDArray[np.floating]
+    """[2, B] distance from the middle, and how far forward the upper teeth reach there, metres."""
     teeth_map: NDArray[np.floating]
     tongue_map: NDArray[np.floating]
 
@@ -58,18 +70,13 @@ class Shader:
         if on.any():
             scalp = (self.scalp[corners[on]] * weights[on]).sum(1)
             base[on], sheen[on] = albedo(self.person, self.maps, uv[on], canvas[on], scalp, self.brows.at(canvas[on]))
-            cloth = on.copy()
-            cloth[on] = below_collar(position[on])
-            base[cloth] = _cloth(self.person, canvas[cloth])
-            sheen[cloth] = 0
+            cloth = np.clip(0.5 - collar_height(position[on]) / COLLAR_EDGE, 0, 1)
+            base[on] += cloth[:, None] * (_cloth(self.person, canvas[on]) - base[on])
+            sheen[on] *= 1 - cloth
         on = part == EYES
         base[on] = self._eyes(faces[on], weights[on])
         on = part == TEETH
-        tooth = linear(sample_map(self.teeth_map, uv[on])[:, :3])
-        gum = np.clip((tooth[:, :1] - 1.25 * tooth[:, 1:2]) / 0.1, 0, 1)
-        enamel = tooth.mean(1, keepdims=True) ** 0.6 * np.array([0.92, 0.86, 0.76])
-        base[on] = enamel + gum * (np.array([0.42, 0.14, 0.13]) - enamel)
-        sheen[on] = 0.5
+        base[on], sheen[on] = self._teeth(uv[on], position[on], corners[on])
         on = part == TONGUE
         base[on] = linear(sample_map(self.tongue_map, uv[on])[:, :3]) * np.array([0.50, 0.40, 0.42])
         sheen[on] = 0.25
@@ -79,6 +86,26 @@ class Shader:
         shine = sheen * _sheen(bent) * np.clip(light.mean(1) / 1.2, 0, 1)
         return np.clip(tone(EXPOSURE * base * light + shine[:, None] * np.array([1.0, 0.97, 0.94])), 0, 1)
 
+    def _teeth(self, uv: Floats, position: Floats, corners: NDArray[np.int64]) -> tuple[Floats, Floats]:
+        """Linear albedo [N, 3] and gloss [N] of teeth and gums.
+
+        MakeHuman's upper gums reach down to the tips: CROWN metres above these they are painted as crowns, with gaps.
+        """
+        color = linear(sample_map(self.teeth_map, uv)[:, :3])
+        gum = np.clip((color[:, :1] - 1.25 * color[:, 1:2]) / 0.1, 0, 1)
+        upper = np.linalg.norm(self.head.deltas[NAMES.index("jawOpen"), corners[:, 0]], axis=1) < 1e-5
+        above_tip = (position[:, 1] - self.tooth_tip)[:, None]
+        reach = CROWN + 0.35 * np.clip(np.abs(position[:, :1]) - 0.008, 0, 0.02)
+        front = np.interp(np.abs(position[:, 0]), self.arch[0], self.arch[1])
+        outer = np.clip((position[:, 2] - front + 0.004) / 0.001, 0, 1)[:, None]
+        crown = np.clip((reach - above_tip) / 0.001, 0, 1) * outer * upper[:, None]
+        gap = np.min([np.abs(np.abs(position[:, 0]) - x) for x in TOOTH_GAPS], axis=0)
+        line = np.exp(-((gap / 0.0004) ** 2))[:, None]
+        enamel = np.array([0.86, 0.81, 0.72]) * (0.80 + 0.20 * np.minimum(color.mean(1, keepdims=True) / 0.6, 1))
+        painted = np.array([0.80, 0.75, 0.66]) * (1 - 0.35 * line)
+        gums = np.array([0.42, 0.15, 0.14]) + crown * (painted - np.array([0.42, 0.15, 0.14]))
+        return enamel + gum * (gums - enamel), np.full(len(uv), 0.5)
+
     def _eyes(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
         """Linear albedo of sclera, iris and pupil."""
         head = self.head
@@ -86,8 +113,10 @@ class Shader:
         side = head.eye_of_vertex[corners[:, 0]]
         offset = (head.vertices[corners] * weights[..., None]).sum(1) - head.eye_centers[side]
         offset /= np.maximum(np.linalg.norm(offset, axis=1, keepdims=True), 1e-9)
-        angle = np.arccos(np.clip(offset[:, 2], -1, 1))
-        around = np.arctan2(offset[:, 1], offset[:, 0])
+        axis = head.eye_axes[side]
+        angle = np.arccos(np.clip((offset * axis).sum(1), -1, 1))
+        upright = np.cross(axis, [1.0, 0, 0])
+        around = np.arctan2((offset * upright).sum(1), offset[:, 0])
         ring = np.stack([np.cos(around), np.sin(around), 0 * around], 1)
         fibre = value_noise(ring * 3.2 + 7 * side[:, None], 0.35, self.person.seed) * 0.6
         fibre += 0.5 * value_noise(ring * 3.2 + np.stack([0 * angle, 0 * angle, 5 * angle], 1), 0.16, self.person.seed + 1)
@@ -95,13 +124,13 @@ class Shader:
         iris = linear(np.array(IRIS_COLORS[self.person.eye])) * 1.25
         glow = np.exp(-(((across - 0.55) / 0.22) ** 2))
         tint = iris * (1 + 0.35 * fibre[:, None]) * (0.75 + 0.6 * glow[:, None])
-        limbal = np.clip((across - 0.78) / 0.2, 0, 1)[:, None]
-        tint = tint * (1 - 0.75 * limbal)
+        limbal = np.clip((across - 0.70) / 0.25, 0, 1)[:, None]
+        tint = tint * (1 - 0.85 * limbal)
         pupil = np.clip((PUPIL_RAD + 0.03 - angle) / 0.05, 0, 1)[:, None]
         tint = tint + pupil * (0.006 - tint)
         outward = np.clip((angle - 0.55) / 0.7, 0, 1)[:, None]
         veins = np.clip(value_noise(ring * 2 + offset * 6, 0.5, self.person.seed + 2), 0, 1)[:, None]
-        sclera = np.array([0.68, 0.665, 0.645]) * (1 - outward * np.array([0.12, 0.26, 0.28]))
+        sclera = np.array([0.60, 0.585, 0.565]) * (1 - outward * np.array([0.12, 0.26, 0.28]))
         sclera = sclera * (1 - veins * outward * np.array([0.02, 0.14, 0.14]))
         edge = np.clip((angle - IRIS_RAD) / 0.05 + 0.5, 0, 1)[:, None]
         return tint + edge * (sclera - tint)
@@ -119,11 +148,6 @@ def _sheen(normal: Floats) -> Floats:
     half /= np.linalg.norm(half)
     facing = np.clip(normal @ half, 0, 1)
     return 0.055 * facing**10 + 0.09 * facing**48
-
-
-def below_collar(position: Floats) -> NDArray[np.bool_]:
-    """Which points [N, 3] (canonical, metres) wear the T-shirt: a round neckline, higher at the back."""
-    return collar_height(position) < 0
 
 
 def collar_height(position: Floats) -> Floats:
@@ -146,10 +170,15 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
     skin = (part == SKIN).astype(float)
     regions = (maps.mouth, maps.lids, maps.lips, maps.ears)
     mouth, lids, lips, ears = (sample_map(m, uv)[:, 0] * skin for m in regions)
+    hair_map = load_map(hair_texture(person, ingredients))
+    cards = (head.parts == HAIR) & (sample_map(hair_map, head.texture.mean(1))[:, 3] > 0.6)
     light = bake(
         head,
-        head.pose(weights_of(jawOpen=0.75, mouthUpperUp=0.3, mouthLowerDown=0.3)),
-        head.pose(weights_of(eyeBlink=1.0)),
+        (
+            head.pose(weights_of(jawOpen=0.75, mouthUpperUp=0.3, mouthLowerDown=0.3)),
+            head.pose(weights_of(eyeBlink=1.0)),
+        ),
+        cards,
         mouth,
         lids,
         lips,
@@ -161,27 +190,54 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
         maps=maps,
         brows=paint_brows(person, ingredients),
         light=light,
-        scalp=_under_hair(head, ears),
+        scalp=_under_hair(head, ears, cards),
+        tooth_tip=_tooth_tip(head),
+        arch=_dental_arch(head),
         teeth_map=load_map(proxies / "teeth/Teeth_Base/textures/teeth.png"),
         tongue_map=load_map(proxies / "tongue/tongue01/textures/tongue01_diffuse.png"),
     )
 
 
-def _under_hair(head: Head, ears: Floats) -> Floats:
-    """[V] how much of the sky just above each skin vertex is hair within 2.5 cm."""
+def hair_texture(person: Person, ingredients: Ingredients) -> Path:
+    """The picture on the person's hair cards."""
+    return min((ingredients.makehuman / "proxies/hair" / person.hair.proxy / "textures").glob("*.png"))
+
+
+def _upper_teeth(head: Head) -> Floats:
+    """[T, 3] the vertices of teeth and gums that the jaw does not carry."""
+    teeth = np.unique(head.triangles[head.parts == TEETH])
+    return head.vertices[teeth[np.linalg.norm(head.deltas[NAMES.index("jawOpen"), teeth], axis=1) < 1e-5]]
+
+
+def _tooth_tip(head: Head) -> float:
+    """Height of the upper incisors' edge: the lowest vertex in front."""
+    upper = _upper_teeth(head)
+    return float(upper[np.abs(upper[:, 0]) < 0.008, 1].min())
+
+
+def _dental_arch(head: Head) -> Floats:
+    """[2, B] distances from the middle and how far forward the upper teeth reach there."""
+    upper = _upper_teeth(head)
+    distance = np.arange(0.001, 0.027, 0.002)
+    reach = [upper[np.abs(np.abs(upper[:, 0]) - d) < 0.0015, 2].max(initial=-1) for d in distance]
+    return np.stack([distance, np.minimum.accumulate(reach)])
+
+
+def _under_hair(head: Head, ears: Floats, cards: NDArray[np.bool_]) -> Floats:
+    """[V] how much of the sky just above each skin vertex is hair within 1.4 cm."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
     scene = EmbreeScene()
-    TriangleMesh(scene, np.ascontiguousarray(head.vertices[head.triangles[head.parts == HAIR]], np.float32))
+    TriangleMesh(scene, np.ascontiguousarray(head.vertices[head.triangles[cards]], np.float32))
     start = (head.vertices - 2e-3 * head.normals).astype(np.float32)
     covered = np.zeros(len(head.vertices))
     for tilt in np.concatenate([np.zeros((1, 3)), 0.45 * np.eye(3), -0.45 * np.eye(3)]):
         toward = head.normals + tilt.astype(np.float32)
         toward /= np.maximum(np.linalg.norm(toward, axis=1, keepdims=True), 1e-6)
         distance = scene.run(start, toward.astype(np.float32), query="DISTANCE")
-        covered += distance < 0.025
-    covered = np.clip(covered / 7 * 1.5 - 0.25, 0, 1)
+        covered += distance < 0.014
+    covered = np.clip(covered / 7 * 1.6 - 0.5, 0, 1)
     y, z = head.canvas[:, 1], head.canvas[:, 2]
     grows = np.clip((y + 0.085 - 0.5 * np.clip(z + 0.09, 0, 1)) / 0.015, 0, 1)  # rises from the nape to the sideburns
     return covered * grows * (1 - np.clip(3 * ears, 0, 1)) * (part_of_vertex(head) == SKIN)

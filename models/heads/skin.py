@@ -75,10 +75,10 @@ def albedo(
 
     if person.freckles:
         where = _blob(canvas, 28, -33, 34, 20) + 0.5 * _blob(canvas, 0, 40, 50, 26) + 0.12
-        dots = spots(canvas, 4.2 * MM, 1.3 * MM, person.seed + 5) + 0.7 * spots(canvas, 7 * MM, 1.7 * MM, person.seed + 9)
+        dots = spots(canvas, 4.4 * MM, 1.7 * MM, person.seed + 5) + 0.7 * spots(canvas, 7 * MM, 2.1 * MM, person.seed + 9)
         color *= 1 - person.freckles * np.clip(where * dots, 0, 1)[:, None] * smooth[:, None] * np.array([0.30, 0.42, 0.50])
     if person.wrinkles:
-        color *= 1 - person.wrinkles * _wrinkles(canvas, person.seed)[:, None] * np.array([0.16, 0.22, 0.22])
+        color *= 1 - person.wrinkles * _wrinkles(canvas, person.seed)[:, None] * np.array([0.28, 0.36, 0.36])
         age_spots = spots(canvas, 21 * MM, 3.0 * MM, person.seed + 13) * np.clip(0.3 + value_noise(canvas, 40 * MM, 7), 0, 1)
         color *= 1 - person.wrinkles * age_spots[:, None] * np.array([0.14, 0.20, 0.25])
     if person.stubble:
@@ -97,8 +97,9 @@ def albedo(
 
     ink = linear(np.array(person.brow_color))
     color += (0.42 * np.clip(brow, 0, 1) ** 1.5)[:, None] * (ink * 1.2 - color)
-    under_hair = linear(np.array(person.hair.color)) * 0.55
-    color += np.clip(scalp, 0, 1)[:, None] * (under_hair * (1 + 0.2 * grain[:, None]) - color)
+    under_hair = linear(np.array(person.hair.color)) * 0.7
+    roots = 0.75 * under_hair + 0.25 * color
+    color += np.clip(scalp, 0, 1)[:, None] * (roots * (1 + 0.25 * grain[:, None]) - color)
 
     mouth = sample_map(maps.mouth, uv)[:, 0]
     color += mouth[:, None] * (np.array([0.20, 0.055, 0.05]) - color)

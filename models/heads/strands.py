@@ -4,14 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .brows import BrowMap, root_brows
-from .head import HAIR, LASHES, Head
+from .head import GLINTS, HAIR, LASHES, Head
 from .ingredients import Ingredients
 from .light import KEY
 from .maps import linear, load_map, sample_map, strokes
 from .noise import value_noise
 from .people import Person
 from .sampling import scatter
-from .shading import EXPOSURE, tone
+from .shading import EXPOSURE, hair_texture, tone
 from .skin import points_of
 from .splats import Rider, ride
 
@@ -27,7 +27,7 @@ def hair_rider(
     head: Head, person: Person, ingredients: Ingredients, light: Floats, count: int, rng: np.random.Generator
 ) -> Rider:
     """About ``count`` strands of hair on the hair cards; ``light`` [V, 3] is the baked irradiance."""
-    image = load_map(next(iter(sorted((ingredients.makehuman / "proxies/hair" / person.hair.proxy / "textures").glob("*.png")))))
+    image = load_map(hair_texture(person, ingredients))
     faces = np.flatnonzero(head.parts == HAIR)
     corners = head.vertices[head.triangles[faces]].astype(float)
     height = corners[..., 1].mean(1)
@@ -45,7 +45,13 @@ def hair_rider(
         face, weights, radius, uv, canvas, normal, texel = (
             x[kept] for x in (face, weights, radius, uv, canvas, normal, texel)
         )
-    direction = _texture_direction(head, face, uv, strokes(image, 11.0))
+    field = strokes(image, 11.0)
+    if person.hair.combed:
+        field = np.broadcast_to(np.array([-1.0, 0.0], np.float32), field.shape)
+    direction = _texture_direction(head, face, uv, field)
+    if person.hair.curl:
+        wild = rng.standard_normal((len(face), 3))
+        direction = direction + person.hair.curl * wild / np.linalg.norm(wild, axis=1, keepdims=True)
     triangle = head.triangles[face]
     position = (head.vertices[triangle] * weights[..., None]).sum(1)
     outward = normal * np.where(((position - np.array([0, 0.03, 0])) * normal).sum(1, keepdims=True) < 0, -1, 1)
@@ -61,7 +67,7 @@ def hair_rider(
     under = rng.random(len(face)) < UNDERCOAT
     side = np.where((outward * normal).sum(1) < 0, -1.0, 1.0)
     thin = radius * np.where(under, 0.62, rng.uniform(0.16, 0.26, len(face)))
-    long = radius * np.where(under, 1.3, np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius))
+    long = radius * np.where(under, 1.3, person.hair.length * np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius))
     sigma = np.stack([long, thin, np.minimum(0.5 * thin, 0.5e-3)], 1)
     lift = side * (person.hair.grow + np.where(under, -1.2e-3, rng.uniform(-0.5e-3, 1.5e-3, len(face))))
     linear_color *= np.where(under, 0.62, 1.0)[:, None]
@@ -108,9 +114,7 @@ def lash_rider(
     """Upper lashes: about ``count`` fine dark splats along the strokes of the lash cards."""
     image = load_map(ingredients.makehuman / "proxies/eyelashes/eyelashes02/textures/eyelashes02.png")
     faces = np.flatnonzero(head.parts == LASHES)
-    center = head.vertices[head.triangles[faces]].mean(1)
-    upper = center[:, 1] > head.eye_centers[:, 1].mean() + 0.001
-    faces = faces[upper]
+    faces = faces[head.canvas[head.triangles[faces], 1].mean(1) > 0]
     corners = head.vertices[head.triangles[faces]].astype(float)
     chosen, weights, _ = scatter(corners, np.ones(len(faces)), count * 3, rng)
     face = faces[chosen]
@@ -131,6 +135,23 @@ def lash_rider(
         np.full(len(face), 0.42),
         dark,
         np.full(len(face), LASHES),
+    )
+
+
+def glint_rider(head: Head) -> Rider:
+    """The lamps mirrored in the eyes: a large and a small highlight each."""
+    face = np.flatnonzero(head.parts == GLINTS)
+    size = np.tile([0.62e-3, 0.38e-3], len(face) // 2)[:, None] * np.array([1, 1, 0.1])
+    count = len(face)
+    return ride(
+        head.vertices,
+        head.triangles[face],
+        np.full((count, 3), 1 / 3),
+        None,
+        size,
+        np.tile([0.92, 0.5], count // 2),
+        np.ones((count, 3)),
+        np.full(count, GLINTS),
     )
 
 
