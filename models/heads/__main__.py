@@ -20,7 +20,9 @@ def main(arguments: list[str] | None = None) -> int:
     names = [person.name for person in AVATARS] + [CLIP]
     parser = argparse.ArgumentParser(prog="python -m gemheads.models.heads", description=__doc__)
     parser.add_argument("name", nargs="*", metavar="NAME", help=f"what to build, all by default: {', '.join(names)}")
-    parser.add_argument("--cache", type=Path, default=default_cache(), help="folder of the unpacked packages (%(default)s)")
+    parser.add_argument(
+        "--cache", type=Path, default=default_cache(), help="folder of the unpacked packages (%(default)s)"
+    )
     parser.add_argument("--out", type=Path, default=ASSETS, help="where avatars/ and demo/ are written (%(default)s)")
     asked = parser.parse_args(arguments)
     unknown = set(asked.name) - set(names)

@@ -27,7 +27,9 @@ def lay_out(canvas: Floats, part: NDArray[np.integer], size: int) -> NDArray[np.
     return texels
 
 
-def _halve(members: NDArray[np.int64], flat: Floats, box: tuple[int, int, int, int], texels: NDArray[np.uint16]) -> None:
+def _halve(
+    members: NDArray[np.int64], flat: Floats, box: tuple[int, int, int, int], texels: NDArray[np.uint16]
+) -> None:
     """Give ``members`` at ``flat`` [M, 2] the texels of ``box`` (left, top, width, height >= M texels)."""
     left, top, width, height = box
     if len(members) == 0:

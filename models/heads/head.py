@@ -11,8 +11,8 @@ from ...render.camera import Camera
 from ..arkit import NAMES
 from .ingredients import Ingredients
 from .maps import load_map, sample_map
-from .meshview import see
 from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
+from .meshview import see
 from .people import Person
 from .proxies import Proxy, load_proxy
 
@@ -238,12 +238,16 @@ def _glint_triangles(centers: Floats, radius: float) -> Floats:
     return np.array(corners)
 
 
-def _aimed_eyes(points: Floats, faces: NDArray[np.int64], eye_of_vertex: NDArray[np.int8], centers: Floats, radius: float) -> Floats:
+def _aimed_eyes(
+    points: Floats, faces: NDArray[np.int64], eye_of_vertex: NDArray[np.int8], centers: Floats, radius: float
+) -> Floats:
     """Directions [2, 3] from the eyeballs' centres through the middle of the open lids, seen from the front.
 
     Some identities droop or widen the lids away from the eyeballs' middles; pupils that stayed level would look up.
     """
-    camera = Camera(4e4, 4e4, 256, 128, 512, 256, np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1000.0], [0, 0, 0, 1]]))
+    camera = Camera(
+        4e4, 4e4, 256, 128, 512, 256, np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1000.0], [0, 0, 0, 1]])
+    )
     shifted = points - np.array([0, centers[0, 1], 0])
     seen, _, _ = see(shifted * np.array([1, 1, 1]), faces, camera)
     side_of_face = np.where(seen >= 0, eye_of_vertex[faces[np.maximum(seen, 0), 0]], -1)

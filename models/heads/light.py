@@ -1,4 +1,4 @@
-"""Soft baked light: what a portrait studio sends to each point, with what the head itself blocks, spread under the skin."""
+"""Soft baked light: what a portrait studio sends to each point, less what the head blocks, spread under the skin."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ def environment(directions: Floats) -> Floats:
 
 
 def irradiance(head: Head, vertices: Floats, cards: NDArray[np.bool_], rays: int = 144, seed: int = 1) -> Floats:
-    """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin, teeth and tongue, dimmed by hair on ``cards`` [F]."""
+    """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin and mouth, dimmed by hair ``cards`` [F]."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -93,7 +93,9 @@ def spread_under_skin(head: Head, light: Floats) -> Floats:
     index = np.full(len(part), -1)
     index[skin] = np.arange(len(skin))
     triangles = index[head.triangles[np.isin(head.parts, (SKIN, TONGUE))]]
-    edges = np.unique(np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0)
+    edges = np.unique(
+        np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0
+    )
     points = head.vertices[skin]
     squared = ((points[edges[:, 0]] - points[edges[:, 1]]) ** 2).sum(1)
     stiffness = 1 / np.maximum(squared, 1e-9)
@@ -120,7 +122,8 @@ def bake(
 ) -> Floats:
     """Irradiance [V, 3] that serves all expressions.
 
-    ``poses`` are the vertices [V, 3] with the mouth open and with the eyes shut; ``cards`` [F] is opaque hair; ``mouth``, ``lids`` and
+    ``poses`` are the vertices [V, 3] with the mouth open and with the eyes shut; ``cards`` [F] is opaque hair;
+    ``mouth``, ``lids`` and
     ``lips`` [V] in [0, 1] say how far a vertex takes its light from these poses.
     """
     pose_open, pose_shut = poses

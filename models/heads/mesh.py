@@ -58,8 +58,7 @@ def load_base(path: Path) -> tuple[QuadMesh, NDArray[np.str_]]:
 def load_target(path: Path, count: int) -> Floats:
     """A MakeHuman target ("vertex dx dy dz" a line, plain or .gz) as displacements [count, 3]."""
     delta = np.zeros((count, 3))
-    opened = gzip.open(path, "rt") if path.suffix == ".gz" else path.open()
-    with opened as lines:
+    with gzip.open(path, "rt") if path.suffix == ".gz" else path.open() as lines:
         for line in lines:
             words = line.split()
             if len(words) == 4 and not line.startswith("#"):
@@ -96,7 +95,7 @@ def subdivide(mesh: QuadMesh) -> tuple[sparse.csr_matrix, QuadMesh]:
     rim_mean = sparse.diags(0.5 / np.maximum(_row_sums(rim_touch), 1)) @ rim_touch @ ends
     rim = _row_sums(rim_touch) > 0
     to_vertices = _chosen(rim) @ (rim_mean + 0.5 * sparse.identity(count)) + _chosen(~rim) @ smooth
-    matrix = sparse.vstack([to_vertices, to_faces, to_edges]).tocsr()
+    matrix = sparse.csr_matrix(sparse.vstack([to_vertices, to_faces, to_edges]))
 
     middle_index = count + faces + edge_of_side
     centre_index = np.broadcast_to(count + np.arange(faces)[:, None], quads.shape)
@@ -118,7 +117,7 @@ def _row_sums(matrix: sparse.csr_matrix) -> Floats:
 
 
 def _chosen(mask: NDArray[np.bool_]) -> sparse.csr_matrix:
-    return sparse.diags(mask.astype(float)).tocsr()
+    return sparse.csr_matrix(sparse.diags(mask.astype(float)))
 
 
 def triangulate(quads: Indices) -> Indices:

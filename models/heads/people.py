@@ -124,7 +124,11 @@ THEO = Person(
 JONAH = Person(
     name="jonah",
     targets=_macro({"african": 1.0}, {"male": 1.0}, {"young": 1.0})
-    | {"mouth/mouth-scale-horiz-incr": 0.35, "mouth/mouth-lowerlip-volume-decr": 0.3, "mouth/mouth-upperlip-volume-decr": 0.3},
+    | {
+        "mouth/mouth-scale-horiz-incr": 0.35,
+        "mouth/mouth-lowerlip-volume-decr": 0.3,
+        "mouth/mouth-upperlip-volume-decr": 0.3,
+    },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
     eye="brown",
     brow="eyebrow008",

@@ -39,7 +39,9 @@ EMOTIONS: dict[str, dict[str, float]] = {
     "smirk": {"mouthSmileLeft": 0.8, "mouthDimpleLeft": 0.4, "eyeSquintLeft": 0.3, "browOuterUpLeft": 0.3},
     "puff": {"cheekPuff": 0.9, "mouthPucker": 0.3},
 }
-PAIRED = tuple(sorted({n.removesuffix("Left") for n in NAMES if n.endswith("Left") and not n.startswith(("jaw", "mouthL"))}))
+PAIRED = tuple(
+    sorted({n.removesuffix("Left") for n in NAMES if n.endswith("Left") and not n.startswith(("jaw", "mouthL"))})
+)
 
 
 def perform(rng: np.random.Generator, frames: int = 600) -> Weights:
@@ -93,9 +95,7 @@ def _mixture(rng: np.random.Generator) -> Weights:
     if rng.random() < 0.7:
         a, b = rng.integers(len(visemes), size=2)
         blend = rng.random()
-        face += rng.uniform(0.4, 1.3) * (
-            blend * weights_of(**visemes[a]) + (1 - blend) * weights_of(**visemes[b])
-        )
+        face += rng.uniform(0.4, 1.3) * (blend * weights_of(**visemes[a]) + (1 - blend) * weights_of(**visemes[b]))
     if rng.random() < 0.75:
         face += rng.uniform(0.15, 1.15) * weights_of(**emotions[rng.integers(len(emotions))])
     if rng.random() < 0.55:

@@ -40,7 +40,8 @@ def views_of(shader: Shader, rider: Rider, size: int = 400, supersample: int = 2
     """Pictures of the surfaces, without strands, from all around and in telling expressions."""
     smile = weights_of(mouthSmile=0.9, jawOpen=0.18, mouthUpperUp=0.6, mouthLowerDown=0.4)
     shots: list[tuple[Floats, float, float, float]] = [
-        (weights_of(), yaw, pitch, 19) for yaw, pitch in ((0, 0), (25, 8), (-25, -8), (50, 0), (-50, 0), (90, 0), (-90, 0))
+        (weights_of(), yaw, pitch, 19)
+        for yaw, pitch in ((0, 0), (25, 8), (-25, -8), (50, 0), (-50, 0), (90, 0), (-90, 0))
     ]
     shots += [(weights_of(), yaw, pitch, 9) for yaw, pitch in ((0, 0), (20, -12), (-20, 12))]
     shots += [(weights_of(eyeBlink=1), yaw, 0, 9) for yaw in (0, 18)]
@@ -75,10 +76,12 @@ def refined(colors: Floats, views: Sequence[View], steps: int = 8) -> NDArray[np
     colors = colors.astype(np.float64)
     blends = [_weights(view) for view in views]
     targets = [view.target[view.covered].astype(np.float64) for view in views]
-    mass = sum(np.asarray(blend.sum(0)).ravel() for blend in blends)
+    mass = np.sum([np.asarray(blend.sum(0)).ravel() for blend in blends], axis=0)
     seen = mass > 1e-3
     for _ in range(steps):
-        push = sum(blend.T @ (target - blend @ colors) for blend, target in zip(blends, targets, strict=True))
+        push = np.zeros_like(colors)
+        for blend, target in zip(blends, targets, strict=True):
+            push += blend.T @ (target - blend @ colors)
         colors[seen] = np.clip(colors[seen] + STEP * push[seen] / mass[seen, None], 0, 1)
     return colors.astype(np.float32)
 

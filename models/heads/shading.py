@@ -119,7 +119,9 @@ class Shader:
         around = np.arctan2((offset * upright).sum(1), offset[:, 0])
         ring = np.stack([np.cos(around), np.sin(around), 0 * around], 1)
         fibre = value_noise(ring * 3.2 + 7 * side[:, None], 0.35, self.person.seed) * 0.6
-        fibre += 0.5 * value_noise(ring * 3.2 + np.stack([0 * angle, 0 * angle, 5 * angle], 1), 0.16, self.person.seed + 1)
+        fibre += 0.5 * value_noise(
+            ring * 3.2 + np.stack([0 * angle, 0 * angle, 5 * angle], 1), 0.16, self.person.seed + 1
+        )
         across = angle / IRIS_RAD
         iris = linear(np.array(IRIS_COLORS[self.person.eye])) * 1.25
         glow = np.exp(-(((across - 0.55) / 0.22) ** 2))

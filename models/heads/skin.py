@@ -57,7 +57,9 @@ def albedo(
     dark = np.clip(color.mean(1, keepdims=True) / 0.35, 0, 1)
     tint = 0.5 + 0.5 * dark  # dark skin shows blood less
 
-    blood = 0.9 * _blob(canvas, 38, -38, 17, 15) + 0.8 * _blob(canvas, 0, -42, 11, 9) + 0.4 * _blob(canvas, 0, -95, 16, 9)
+    blood = (
+        0.9 * _blob(canvas, 38, -38, 17, 15) + 0.8 * _blob(canvas, 0, -42, 11, 9) + 0.4 * _blob(canvas, 0, -95, 16, 9)
+    )
     blood += 0.6 * ears + 0.35 * value_noise(canvas, 9 * MM, person.seed) * _blob(canvas, 0, -30, 65, 70)
     color *= 1 + blood[:, None] * tint * np.array([0.06, -0.10, -0.09])
     tired = _blob(canvas, 31, -13, 13, 5)
@@ -75,11 +77,17 @@ def albedo(
 
     if person.freckles:
         where = _blob(canvas, 28, -33, 34, 20) + 0.5 * _blob(canvas, 0, 40, 50, 26) + 0.12
-        dots = spots(canvas, 4.4 * MM, 1.7 * MM, person.seed + 5) + 0.7 * spots(canvas, 7 * MM, 2.1 * MM, person.seed + 9)
-        color *= 1 - person.freckles * np.clip(where * dots, 0, 1)[:, None] * smooth[:, None] * np.array([0.30, 0.42, 0.50])
+        dots = spots(canvas, 4.4 * MM, 1.7 * MM, person.seed + 5) + 0.7 * spots(
+            canvas, 7 * MM, 2.1 * MM, person.seed + 9
+        )
+        color *= 1 - person.freckles * np.clip(where * dots, 0, 1)[:, None] * smooth[:, None] * np.array(
+            [0.30, 0.42, 0.50]
+        )
     if person.wrinkles:
         color *= 1 - person.wrinkles * _wrinkles(canvas, person.seed)[:, None] * np.array([0.28, 0.36, 0.36])
-        age_spots = spots(canvas, 21 * MM, 3.0 * MM, person.seed + 13) * np.clip(0.3 + value_noise(canvas, 40 * MM, 7), 0, 1)
+        age_spots = spots(canvas, 21 * MM, 3.0 * MM, person.seed + 13) * np.clip(
+            0.3 + value_noise(canvas, 40 * MM, 7), 0, 1
+        )
         color *= 1 - person.wrinkles * age_spots[:, None] * np.array([0.14, 0.20, 0.25])
     if person.stubble:
         beard = beard_area(canvas) * smooth
@@ -89,9 +97,13 @@ def albedo(
 
     if np.any(lips > 0.01):
         lip_color = linear(np.array(person.lip))
-        level = color.mean(1, keepdims=True) / np.maximum(color[lips > 0.5].mean() if np.any(lips > 0.5) else color.mean(), 1e-6)
+        level = color.mean(1, keepdims=True) / np.maximum(
+            color[lips > 0.5].mean() if np.any(lips > 0.5) else color.mean(), 1e-6
+        )
         stretched = canvas * np.array([1.0, 0.22, 0.22])
-        lines = value_noise(stretched, 1.1 * MM, person.seed + 21) + 0.7 * value_noise(stretched, 2.2 * MM, person.seed + 22)
+        lines = value_noise(stretched, 1.1 * MM, person.seed + 21) + 0.7 * value_noise(
+            stretched, 2.2 * MM, person.seed + 22
+        )
         painted = lip_color * np.clip(level, 0.6, 1.3) * (1 + 0.07 * lines[:, None])
         color += (0.75 * lips)[:, None] * (painted - color)
 
@@ -103,7 +115,12 @@ def albedo(
 
     mouth = sample_map(maps.mouth, uv)[:, 0]
     color += mouth[:, None] * (np.array([0.20, 0.055, 0.05]) - color)
-    oil = 0.55 + 0.5 * _blob(canvas, 0, -35, 13, 30) + 0.4 * _blob(canvas, 0, 45, 40, 25) + 0.25 * _blob(canvas, 40, -25, 16, 12)
+    oil = (
+        0.55
+        + 0.5 * _blob(canvas, 0, -35, 13, 30)
+        + 0.4 * _blob(canvas, 0, 45, 40, 25)
+        + 0.25 * _blob(canvas, 40, -25, 16, 12)
+    )
     oil = (oil + 0.8 * lips) * (1 - 0.9 * scalp) * (1 + 0.25 * fine + 0.25 * grain * pores) * (1 - mouth)
     return np.clip(color, 0.003, 0.95), np.clip(oil, 0, 2)
 

@@ -71,7 +71,9 @@ def ride(
     along = e1 if direction is None else direction
     tangent = along - (along * normal).sum(1, keepdims=True) * normal
     length = np.linalg.norm(tangent, axis=1, keepdims=True)
-    tangent = np.where(length > 1e-9, tangent / np.maximum(length, 1e-12), e1 / np.linalg.norm(e1, axis=1, keepdims=True))
+    tangent = np.where(
+        length > 1e-9, tangent / np.maximum(length, 1e-12), e1 / np.linalg.norm(e1, axis=1, keepdims=True)
+    )
     bitangent = np.cross(normal, tangent)
     g11, g12, g22 = (e1 * e1).sum(1), (e1 * e2).sum(1), (e2 * e2).sum(1)
     det = np.maximum(g11 * g22 - g12**2, 1e-24)

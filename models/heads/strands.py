@@ -37,14 +37,11 @@ def hair_rider(
     uv, canvas, normal = points_of(head, face, weights)
     texel = sample_map(image, uv)
     solid = texel[:, 3] > 0.35
-    face, weights, radius, uv, canvas, normal, texel = (
-        x[solid] for x in (face, weights, radius, uv, canvas, normal, texel)
-    )
-    if len(face) > count:
-        kept = np.sort(rng.permutation(len(face))[:count])
-        face, weights, radius, uv, canvas, normal, texel = (
-            x[kept] for x in (face, weights, radius, uv, canvas, normal, texel)
-        )
+    kept = np.flatnonzero(solid)
+    if len(kept) > count:
+        kept = kept[np.sort(rng.permutation(len(kept))[:count])]
+    face, weights, radius, uv = face[kept], weights[kept], radius[kept], uv[kept]
+    canvas, normal, texel = canvas[kept], normal[kept], texel[kept]
     field = strokes(image, 11.0)
     if person.hair.combed:
         field = np.broadcast_to(np.array([-1.0, 0.0], np.float32), field.shape)
@@ -67,7 +64,9 @@ def hair_rider(
     under = rng.random(len(face)) < UNDERCOAT
     side = np.where((outward * normal).sum(1) < 0, -1.0, 1.0)
     thin = radius * np.where(under, 0.62, rng.uniform(0.16, 0.26, len(face)))
-    long = radius * np.where(under, 1.3, person.hair.length * np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius))
+    long = radius * np.where(
+        under, 1.3, person.hair.length * np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius)
+    )
     sigma = np.stack([long, thin, np.minimum(0.5 * thin, 0.5e-3)], 1)
     lift = side * (person.hair.grow + np.where(under, -1.2e-3, rng.uniform(-0.5e-3, 1.5e-3, len(face))))
     linear_color *= np.where(under, 0.62, 1.0)[:, None]
@@ -108,9 +107,7 @@ def _strand_shine(direction: Floats, outward: Floats) -> Floats:
     return np.sqrt(1 - along**2) ** 30 * np.clip(outward @ KEY + 0.2, 0, 1) * 1.6
 
 
-def lash_rider(
-    head: Head, person: Person, ingredients: Ingredients, count: int, rng: np.random.Generator
-) -> Rider:
+def lash_rider(head: Head, person: Person, ingredients: Ingredients, count: int, rng: np.random.Generator) -> Rider:
     """Upper lashes: about ``count`` fine dark splats along the strokes of the lash cards."""
     image = load_map(ingredients.makehuman / "proxies/eyelashes/eyelashes02/textures/eyelashes02.png")
     faces = np.flatnonzero(head.parts == LASHES)
@@ -164,7 +161,9 @@ def brow_rider(
     lit = (light[triangle] * weights[..., None]).sum(1)
     tone_of_hair = rng.uniform(0.55, 1.35, (len(face), 1))
     color = tone(EXPOSURE * linear(np.array(person.brow_color)) * tone_of_hair * np.clip(lit, 0.3, 2) * 0.9)
-    sigma = np.stack([rng.uniform(1.3e-3, 2.2e-3, len(face)), np.full(len(face), 0.18e-3), np.full(len(face), 0.12e-3)], 1)
+    sigma = np.stack(
+        [rng.uniform(1.3e-3, 2.2e-3, len(face)), np.full(len(face), 0.18e-3), np.full(len(face), 0.12e-3)], 1
+    )
     return ride(
         head.vertices,
         triangle,

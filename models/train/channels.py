@@ -16,6 +16,13 @@ SCORE_TOLERANCE = 0.06
 FAINT_TOLERANCE = 0.025
 """The same for scores that move little on any face."""
 FAINT = ("browInnerUp", "browDownLeft", "browDownRight", "mouthPucker", "mouthFunnel")
+LEADING = (
+    *("jawOpen", "mouthSmileLeft", "mouthSmileRight", "mouthPucker", "eyeBlinkLeft", "eyeBlinkRight", "browInnerUp"),
+    *("browDownLeft", "browDownRight", "eyeLookOutLeft", "eyeLookInLeft", "eyeLookOutRight", "eyeLookInRight"),
+)
+"""What people look at first when they judge whether an avatar follows."""
+LEADING_FACTOR = 0.5
+"""The tolerance of the leading scores against the others."""
 UNTRUSTED_SCORES = (
     "mouthClose",
     "mouthShrugUpper",
@@ -41,8 +48,9 @@ def channel_indices() -> NDArray[np.int64]:
 def channel_tolerances() -> NDArray[np.float32]:
     """[T] how far apart two channels may be before it counts, in the unit of each."""
     tolerances = np.full(DIMENSION, SCORE_TOLERANCE, np.float32)
-    for name in FAINT:
-        tolerances[SCORES.start + SCORE_NAMES.index(name)] = FAINT_TOLERANCE
+    for names, factor in ((FAINT, FAINT_TOLERANCE / SCORE_TOLERANCE), (LEADING, LEADING_FACTOR)):
+        for name in names:
+            tolerances[SCORES.start + SCORE_NAMES.index(name)] *= factor
     tolerances[BLOCKS["gaze"]] = GAZE_TOLERANCE
     tolerances[BLOCKS["measures"]] = MEASURE_TOLERANCE
     return tolerances[channel_indices()]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import onnx
+from numpy.typing import ArrayLike
 from onnx import TensorProto, helper, numpy_helper
 
 from .network import KAPPA_LIMIT, RegressorNetwork
@@ -18,8 +19,8 @@ def export_onnx(network: RegressorNetwork) -> bytes:
     constants: list[onnx.TensorProto] = []
     tensors = {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
 
-    def constant(name: str, array: np.ndarray) -> str:
-        constants.append(numpy_helper.from_array(np.ascontiguousarray(array, np.float32), name))
+    def constant(name: str, array: ArrayLike) -> str:
+        constants.append(numpy_helper.from_array(np.asarray(array, np.float32), name))
         return name
 
     def node(operator: str, *inputs: str, **attributes: int) -> str:

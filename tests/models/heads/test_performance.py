@@ -51,7 +51,15 @@ def test_the_clip_begins_and_ends_at_rest_and_does_everything_between() -> None:
     acted = np.stack([act(i / RATE)[0] for i in range(round(SECONDS * RATE))])
     assert acted[: int(0.7 * RATE)].max() < 0.05
     assert acted[-1].max() < 0.1
-    for name in ("jawOpen", "mouthSmileLeft", "mouthPucker", "eyeBlinkLeft", "browInnerUp", "browDownLeft", "eyeLookOutLeft"):
+    for name in (
+        "jawOpen",
+        "mouthSmileLeft",
+        "mouthPucker",
+        "eyeBlinkLeft",
+        "browInnerUp",
+        "browDownLeft",
+        "eyeLookOutLeft",
+    ):
         assert acted[:, NAMES.index(name)].max() > 0.4, name
     turned = np.degrees([np.abs(act(i / RATE)[1]).max() for i in range(round(SECONDS * RATE))])
     assert 12 < turned.max() < 30

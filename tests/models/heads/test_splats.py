@@ -57,9 +57,15 @@ def test_turning_the_mesh_turns_the_splat(angle: float) -> None:
 def test_stretching_the_skin_stretches_the_splat_that_way_only() -> None:
     flat = np.array([[0, 0, 0], [0.01, 0, 0], [0, 0.01, 0]], np.float32)
     one = ride(
-        flat, np.array([[0, 1, 2]]), np.full((1, 3), 1 / 3), np.array([[1.0, 0, 0]]), np.full((1, 3), 1e-3), np.array([0.5]),
-        np.zeros((1, 3)), np.zeros(1, np.uint8),
-    )  # fmt: skip
+        flat,
+        np.array([[0, 1, 2]]),
+        np.full((1, 3), 1 / 3),
+        np.array([[1.0, 0, 0]]),
+        np.full((1, 3), 1e-3),
+        np.array([0.5]),
+        np.zeros((1, 3)),
+        np.zeros(1, np.uint8),
+    )
     wide = posed(one, flat * np.array([2, 1, 1], np.float32))
     np.testing.assert_allclose(np.exp(wide.log_scales[0]), [2e-3, 1e-3, 1e-3], rtol=1e-5)
 
