@@ -34,6 +34,7 @@ SIZES = ((512, 512), (550, 802))
 STAGES = ("compose", "sort", "upload", "project", "draw", "read")
 FRAMES = 9
 """Frames in a median, where they take no longer than PATIENCE."""
+TABLE_WIDTH = 132
 PATIENCE = 2.0
 """Seconds spent on one median, three frames at least."""
 
@@ -188,15 +189,16 @@ def _cpu() -> str:
 
 
 def _print(report: Report) -> None:
-    console = Console(width=None)
+    console = Console()
+    console.width = max(console.width, TABLE_WIDTH)  # a table cut to 80 columns loses its figures
     console.print(f"{report.cpu}, {report.cores} cores", highlight=False)
     for name, description in report.engines.items():
         console.print(f"{name}: {description}", highlight=False)
     table = Table(title="median milliseconds", box=None)
     for heading in ("avatar", "splats", "K", "size", "engine"):
-        table.add_column(heading)
+        table.add_column(heading, no_wrap=True)
     for heading in ("(read)", *STAGES, "frame", "fps"):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     for row in report.measurements:
         names = (row.avatar, f"{row.splats}", f"{row.components}", f"{row.width}x{row.height}", row.engine)
         stages = (f"{row.stages[stage]:.2f}" if stage in row.stages else "" for stage in STAGES)
