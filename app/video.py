@@ -133,6 +133,6 @@ def _upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
     scale = min(1.0, LONGEST_SIDE / max(picture.width, picture.height))
     if scale < 1:
         picture = picture.reformat(max(1, round(picture.width * scale)), max(1, round(picture.height * scale)), "rgb24")
-    rgb = picture.to_ndarray(format="rgb24")
+    rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
     quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
     return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb

@@ -65,7 +65,8 @@ def paint_brows(person: Person, ingredients: Ingredients) -> BrowMap:
     density[hit] = sample_map(image, uv)[:, 3]
     density = _raised(np.maximum(density, density[:, ::-1]), person.brow_lift)
     ink = np.dstack([np.ones((HEIGHT, WIDTH, 3), np.float32), density])
-    return BrowMap(density=cv2.GaussianBlur(density, (0, 0), 2.2), direction=strokes(ink, 7.0))
+    soft = np.asarray(cv2.GaussianBlur(density, (0, 0), 2.2), np.float32)
+    return BrowMap(density=soft, direction=strokes(ink, 7.0))
 
 
 def _raised(density: NDArray[np.float32], lift: float) -> NDArray[np.float32]:
@@ -73,7 +74,7 @@ def _raised(density: NDArray[np.float32], lift: float) -> NDArray[np.float32]:
     row, column = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
     inner = np.clip((0.040 - np.abs(column - WIDTH / 2) * PIXEL) / 0.026, 0, 1)
     down = (row + lift / PIXEL * inner * inner * (3 - 2 * inner)).astype(np.float32)
-    return cv2.remap(density, column, down, cv2.INTER_LINEAR)
+    return np.asarray(cv2.remap(density, column, down, cv2.INTER_LINEAR), np.float32)
 
 
 def root_brows(

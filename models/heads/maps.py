@@ -18,7 +18,7 @@ def load_map(path: Path) -> NDArray[np.float32]:
         image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     if image.shape[2] == 3:
         image = cv2.cvtColor(image, cv2.COLOR_BGR2BGRA)
-    return cv2.cvtColor(image, cv2.COLOR_BGRA2RGBA).astype(np.float32) / 255
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGRA2RGBA), np.float32) / np.float32(255)
 
 
 def sample_map(image: Floats, uv: Floats) -> NDArray[np.float32]:
@@ -39,7 +39,7 @@ def sample_map(image: Floats, uv: Floats) -> NDArray[np.float32]:
         )
         for i in range(0, len(x), block)
     ]
-    return np.clip(np.concatenate(parts).reshape(len(uv), -1), 0, 1)
+    return np.clip(np.concatenate(parts).reshape(len(uv), -1), 0, 1).astype(np.float32)
 
 
 def strokes(image: Floats, smooth_px: float) -> NDArray[np.float32]:

@@ -11,6 +11,8 @@ GAZE_TOLERANCE = 0.05
 """Radians; twice the noise of the irises under a shift of the crop."""
 MEASURE_TOLERANCE = 0.12
 """Centimetres; the spread of the distances under a shift of the crop and a small turn."""
+BROW_TOLERANCE = 0.05
+"""The same for heights of brows: they follow the brows where the scores hardly move."""
 SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
 FAINT_TOLERANCE = 0.025
@@ -52,5 +54,6 @@ def channel_tolerances() -> NDArray[np.float32]:
         for name in names:
             tolerances[SCORES.start + SCORE_NAMES.index(name)] *= factor
     tolerances[BLOCKS["gaze"]] = GAZE_TOLERANCE
-    tolerances[BLOCKS["measures"]] = MEASURE_TOLERANCE
+    brows = ["brow" in name for name in MEASURES]
+    tolerances[BLOCKS["measures"]] = np.where(brows, BROW_TOLERANCE, MEASURE_TOLERANCE)
     return tolerances[channel_indices()]

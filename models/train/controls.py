@@ -12,6 +12,8 @@ from ..gem import Gem
 
 ARKIT_REACH = 0.7
 """How far training may move an ARKit weight from the tracker's own reading of it."""
+GAZE_REACH = 0.15
+"""The same for gaze, which the tracker reads well and a network only blurs."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,11 @@ def controls_of(gem: Gem) -> Controls:
         if name in SCORE_NAMES:
             start[SCORES.start + SCORE_NAMES.index(name), column] = GAIN
     ones = np.ones(len(NAMES), np.float32)
+    reach = np.array([GAZE_REACH if name.startswith("eyeLook") else ARKIT_REACH for name in NAMES], np.float32)
     return Controls(
         0 * ones,
         ones,
-        ARKIT_REACH * ones,
+        reach,
         start,
         np.asarray(gem.arkit_weights, np.float32),
         gem.rest_coefficients,

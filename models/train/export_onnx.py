@@ -25,7 +25,9 @@ def export_onnx(network: RegressorNetwork) -> bytes:
 
     def node(operator: str, *inputs: str, **attributes: int) -> str:
         output = f"{operator.lower()}_{len(nodes)}"
-        nodes.append(helper.make_node(operator, list(inputs), [output], name=output, **attributes))
+        made = helper.make_node(operator, list(inputs), [output], name=output)
+        made.attribute.extend(helper.make_attribute(name, value) for name, value in attributes.items())
+        nodes.append(made)
         return output
 
     def clipped(value: str, lower: str, upper: str) -> str:

@@ -37,11 +37,11 @@ def _read(path: Path) -> NDArray[np.float32]:
             for frame in container.decode(video=0):
                 if times and frame.time is not None and frame.time - times[-1] < EVERY_SECS:
                     continue
-                face = tracker.track(frame.to_ndarray(format="rgb24"))
+                face = tracker.track(np.asarray(frame.to_ndarray(format="rgb24"), np.uint8))
                 if face is not None:
                     faces.append(face)
                     times.append(frame.time or 0.0)
-    except (av.FFmpegError, OSError, IndexError) as error:
+    except (av.error.FFmpegError, OSError, IndexError) as error:
         raise ValueError(f"{path} cannot be read as a video: {error}") from error
     if not faces:
         raise ValueError(f"no face was found in {path}; leave it out or give another video")

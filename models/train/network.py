@@ -33,6 +33,16 @@ class RegressorNetwork(nn.Module):
     ``start`` is the unlearned reading of the scores, so that an untrained network already drives.
     """
 
+    feature_mean: Tensor
+    projection: Tensor
+    start: Tensor
+    lower: Tensor
+    upper: Tensor
+    reach: Tensor
+    rest: Tensor
+    to_coefficients: Tensor
+    limit: Tensor
+
     def __init__(self, pca: FeaturePca, controls: Controls) -> None:
         super().__init__()
 
@@ -66,12 +76,16 @@ class RegressorNetwork(nn.Module):
     def free_weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
         kappa = ((features - self.feature_mean) @ self.projection).clamp(-KAPPA_LIMIT, KAPPA_LIMIT)
-        start = torch.minimum(torch.maximum(features @ self.start, self.lower), self.upper)
+        start = self.bounded(features @ self.start)
         return start + self.reach * torch.tanh(self.layers(torch.cat([kappa, rotation, start], 1)))
 
     def weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] within their bounds."""
-        return torch.minimum(torch.maximum(self.free_weights(features, rotation), self.lower), self.upper)
+        return self.bounded(self.free_weights(features, rotation))
+
+    def bounded(self, weights: Tensor) -> Tensor:
+        """Weights [B, E] clipped to their bounds."""
+        return torch.minimum(torch.maximum(weights, self.lower), self.upper)
 
     def forward(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Coefficients [B, coefficients], inside +-3 sigma."""

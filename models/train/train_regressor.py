@@ -184,12 +184,12 @@ def _close_loop(
         batch = torch.randint(len(people[0]), (BATCH,))
         r, turn = people[0][batch], people[1][batch]
         free = network.free_weights(r, turn)
-        bounded = torch.minimum(torch.maximum(free, network.lower), network.upper)
+        bounded = network.bounded(free)
         # a weight outside its bounds keeps a little gradient, or it would never come back
         wanted = r[:, torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
         got = response(bounded + 0.05 * (free - bounded), turn)
         loss = torch.nn.functional.huber_loss(got, wanted, delta=HUBER)
-        start = torch.minimum(torch.maximum(r @ network.start, network.lower), network.upper)
+        start = network.bounded(r @ network.start)
         loss = loss + PRIOR * ((bounded - start) ** 2).mean() + EXCESS * ((free - bounded) ** 2).mean()
         own_batch = torch.randint(len(known[0]), (BATCH // 2,))
         labelled = network.free_weights(known[0][own_batch], known[1][own_batch])
