@@ -12,8 +12,8 @@ from ..gem import Gem
 
 ARKIT_REACH = 0.7
 """How far training may move an ARKit weight from the tracker's own reading of it."""
-GAZE_REACH = 0.15
-"""The same for gaze, which the tracker reads well and a network only blurs."""
+GAZE_REACH = 0.0
+"""The same for gaze, which goes round the network: on strangers, training only blurred what the tracker reads."""
 
 
 @dataclass(frozen=True)

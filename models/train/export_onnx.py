@@ -5,6 +5,8 @@ import onnx
 from numpy.typing import ArrayLike
 from onnx import TensorProto, helper, numpy_helper
 
+from ..driver.features import FEATURE_VERSION
+from ..driver.regressor import VERSION_KEY
 from .network import KAPPA_LIMIT, RegressorNetwork
 
 OPSET = 17
@@ -67,5 +69,6 @@ def export_onnx(network: RegressorNetwork) -> bytes:
     )
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="gemheads")
     model.ir_version = 8
+    helper.set_model_props(model, {VERSION_KEY: str(FEATURE_VERSION)})
     onnx.checker.check_model(model)
     return model.SerializeToString(deterministic=True)

@@ -15,7 +15,7 @@ from torch import Tensor
 
 from ..driver.features import BLOCKS
 from ..gem import Gem
-from ..gemfile import load_gem, save_gem
+from ..gemfile import load_gem, read_info, save_gem
 from .channels import channel_indices, channel_tolerances
 from .controls import Controls, controls_of
 from .export_onnx import export_onnx
@@ -93,7 +93,7 @@ def train_regressor(
         seed=seed,
         progress=progress,
     )
-    save_gem(replace(gem, regressor=regressor), out or avatar)
+    save_gem(replace(gem, regressor=regressor), out or avatar, basis=read_info(avatar).card.basis)
     return report
 
 
@@ -128,7 +128,8 @@ def regressor_for(
     torch.manual_seed(seed)
     network = RegressorNetwork(pca, controls)
     judged = (torch.from_numpy(judges.features), torch.from_numpy(judges.rotations))
-    before = float(_mismatch(network, response, *judged).mean())
+    with torch.no_grad():
+        before = float(_mismatch(network, response, *judged).mean())
     _close_loop(network, response, own, people.features, people.rotations, steps, progress)
     with torch.no_grad():
         after = float(_mismatch(network, response, *judged).mean())
