@@ -1,5 +1,6 @@
 """One face for whatever draws, and the choice between them."""
 
+import contextlib
 import threading
 import time
 from statistics import median
@@ -65,10 +66,10 @@ def open_engine(name: EngineName = "auto") -> Engine:
 
     try:
         quads = SplatRenderer(offscreen_context(), owns_context=True)
-    except NoOpenGLError:
+    except NoOpenGLError as error:
         if name == "quads":
             raise
-        return SoftwareEngine()
+        return SoftwareEngine(str(error))
     return quads if name == "quads" else FastestEngine(quads, SoftwareEngine())
 
 
@@ -83,6 +84,7 @@ class FastestEngine:
     def __init__(self, quads: Engine, software: SoftwareEngine) -> None:
         self._engines: dict[str, Engine] = {"quads": quads, "software": software}
         self._used: Engine = quads
+        self._lost = ""
         self._seconds: dict[str, list[float]] = {"quads": [], "software": []}
         self._warmer = threading.Thread(target=software.warm, name="compile kernels", daemon=True)
         self._warmer.start()
@@ -94,8 +96,8 @@ class FastestEngine:
 
     @property
     def description(self) -> str:
-        """That of the engine that drew the last frame."""
-        return self._used.description
+        """That of the engine that drew the last frame, and why the other one was lost if it was."""
+        return self._used.description + self._lost
 
     @property
     def timings(self) -> dict[str, float]:
@@ -108,11 +110,12 @@ class FastestEngine:
         started = time.perf_counter()
         try:
             picture = self._used.draw(raw, camera)
-        except Exception:
+        except Exception as error:
             # a lost GL context or a kernel that cannot run here: the other engine draws the same picture
             if len(self._engines) == 1:
                 raise
-            self._engines.pop(self._used.name).close()
+            self._lost = f" ({self._used.name} failed: {error})"
+            self._drop(self._used.name)
             return self.draw(raw, camera)
         self._seconds[self._used.name].append(time.perf_counter() - started)
         return picture
@@ -121,6 +124,10 @@ class FastestEngine:
         """Close both."""
         for engine in self._engines.values():
             engine.close()
+
+    def _drop(self, name: str) -> None:
+        with contextlib.suppress(Exception):  # what is broken may not even close; the other engine must draw
+            self._engines.pop(name).close()
 
     def _next(self) -> str:
         if len(self._engines) == 1:

@@ -28,8 +28,9 @@ class SoftwareEngine:
 
     name = "software"
 
-    def __init__(self) -> None:
-        self.description = f"numba tiles on {numba.get_num_threads()} threads"
+    def __init__(self, reason: str = "") -> None:
+        """``reason``: why it was taken instead of another engine; people read it behind the description."""
+        self.description = f"numba tiles on {numba.get_num_threads()} threads" + (f" ({reason})" if reason else "")
         self.timings: dict[str, float] = {}
         """Stage -> seconds of the last frame: project, sort, draw."""
         self._records = np.empty((0, 8), np.float32)
@@ -249,14 +250,9 @@ def _rasterise(pairs, ends, records, colors, columns, rows, image):
             bottom = min(TILE - 1, int(np.floor(cy + half - y0 - _F(0.5))))
             r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
             dx0 = _F(x0) + _F(0.5) - cx
-            middle, weakest = _F(-0.5) / a, np.log2(ALPHA_MIN / opacity) - _F(1e-4)
             for y in range(top, bottom + 1):
                 dy = _F(y0 + y) + _F(0.5) - cy
                 e0, e1 = c * dy * dy, b * dy
-                # where the row is brightest; rows that the ellipse passes by are most of a slanted splat's box
-                peak = min(max(middle * e1, dx0), dx0 + _F(TILE - 1))
-                if e0 + peak * (e1 + a * peak) < weakest:
-                    continue
                 for x in range(TILE):
                     dx = dx0 + _F(x)
                     # 2^(power / 8), minimax of degree 5 on [-1, 0], then to its 8th: relative error 7e-7, no table

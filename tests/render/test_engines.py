@@ -76,6 +76,7 @@ def test_the_other_engine_takes_over(lost: str) -> None:
     for _ in range(10):
         assert engine.draw(RAW, CAMERA).shape == (16, 16, 4)
     assert engine.name != lost
+    assert engine.description == f"for tests ({lost} failed: lost)"
     assert made[lost].drawn == 1
     assert made[lost].closed
 
@@ -91,7 +92,9 @@ def test_auto_without_opengl_is_software(monkeypatch: pytest.MonkeyPatch) -> Non
         raise contexts.NoOpenGLError("none here")
 
     monkeypatch.setattr(contexts, "offscreen_context", none)
-    assert isinstance(open_engine("auto"), SoftwareEngine)
+    engine = open_engine("auto")
+    assert isinstance(engine, SoftwareEngine)
+    assert "none here" in engine.description
     with pytest.raises(contexts.NoOpenGLError):
         open_engine("quads")
 

@@ -1,8 +1,13 @@
 """Every engine draws the picture of the float64 reference."""
 
+from pathlib import Path
+
 import moderngl
 import numpy as np
 import pytest
+from gemheads.app.portrait import portrait
+from gemheads.models.gemfile import load_gem
+from gemheads.render.camera import Camera
 from gemheads.render.gaussians import RawGaussians, activate
 from gemheads.render.reference import render_reference
 from gemheads.render.software import SoftwareEngine
@@ -10,6 +15,7 @@ from gemheads.render.splats import SplatRenderer
 
 from .scenes import awkward, kept, portrait_camera, psnr, shell, spoiled
 
+AVATARS = Path(__file__).parents[2] / "assets" / "avatars"
 SCENES = {"shell": (shell(60_000), portrait_camera()), "awkward": (awkward(4_000), portrait_camera(277, 190))}
 
 
@@ -72,3 +78,22 @@ def test_no_splat_in_view_is_transparent(context: moderngl.Context) -> None:
     for engine in (SoftwareEngine(), renderer):
         assert not engine.draw(away, portrait_camera(32, 32)).any()
     renderer.close()
+
+
+def avatar() -> tuple[RawGaussians, Camera]:
+    """The first shipped avatar at rest, in its portrait."""
+    files = sorted(AVATARS.glob("*.gem"))
+    if not files:
+        pytest.skip(f"no avatar in {AVATARS}; make them with `make avatars`")
+    gem = load_gem(files[0])
+    return gem.compose(gem.rest_coefficients), portrait(gem.viewing, 512, 512)
+
+
+def test_engines_draw_an_avatar(context: moderngl.Context) -> None:
+    raw, camera = avatar()
+    reference = render_reference(activate(raw), camera)
+    assert psnr(SoftwareEngine().draw(raw, camera), reference) >= 80
+    for precision, least in (("single", 80), ("half", 58)):
+        renderer = SplatRenderer(context, precision)
+        assert psnr(renderer.draw(raw, camera), reference) >= least
+        renderer.close()

@@ -1,0 +1,52 @@
+"""Any values whatever: no engine crashes, hangs, or draws anything but colours and coverage in range."""
+
+import moderngl
+import numpy as np
+from gemheads.render.gaussians import RawGaussians
+from gemheads.render.software import SoftwareEngine
+from gemheads.render.splats import SplatRenderer
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from .scenes import portrait_camera
+
+CAMERA = portrait_camera(37, 21)
+COUNT = 6
+
+
+def _raw(values: st.SearchStrategy[float]) -> st.SearchStrategy[RawGaussians]:
+    def array(*shape: int) -> st.SearchStrategy[np.ndarray]:
+        return arrays(np.float32, shape, elements=values)
+
+    colors = arrays(np.float32, (COUNT, 3), elements=st.floats(0, 1, width=32))
+    return st.builds(RawGaussians, array(COUNT, 3), array(COUNT, 4), array(COUNT, 3), array(COUNT), colors)
+
+
+anything = _raw(st.floats(width=32))
+near_the_limits = _raw(st.floats(-20, 5, width=32) | st.sampled_from([0.0, -20.0, 5.0, 100.0, -100.0]))
+near_the_camera = _raw(st.floats(-1, 1, width=32))
+
+
+def assert_is_a_picture(image: np.ndarray) -> None:
+    assert np.isfinite(image).all()
+    assert image.min() >= -1e-3
+    assert image.max() <= 1 + 1e-3
+    assert (image[..., :3] <= image[..., 3:] + 2e-3).all()
+
+
+@settings(max_examples=200, deadline=None)
+@given(raw=anything | near_the_limits | near_the_camera)
+def test_software_draws_a_picture_of_anything(raw: RawGaussians) -> None:
+    assert_is_a_picture(SoftwareEngine().draw(raw, CAMERA))
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(raw=anything | near_the_limits | near_the_camera)
+def test_quads_draw_a_picture_of_anything(context: moderngl.Context, raw: RawGaussians) -> None:
+    renderer = SplatRenderer(context, "single")
+    drawn = renderer.draw(raw, CAMERA)
+    assert_is_a_picture(drawn)
+    # a splat exactly at the least alpha may fall on either side; anything more is a difference of meaning
+    assert np.abs(drawn - SoftwareEngine().draw(raw, CAMERA)).max() <= 0.01
+    renderer.close()
