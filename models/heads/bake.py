@@ -22,7 +22,7 @@ from .splats import Rider, posed
 
 Floats = NDArray[np.floating]
 
-SPLATS = 22_900
+SPLATS = 23_600
 UV_SIZE = 160
 PIVOT = np.array([0.0, -0.075, -0.02], np.float32)
 """The point a head nods and turns about, metres, canonical space."""

@@ -98,10 +98,8 @@ def _mixture(rng: np.random.Generator) -> Weights:
         face += rng.uniform(0.4, 1.3) * (blend * weights_of(**visemes[a]) + (1 - blend) * weights_of(**visemes[b]))
     if rng.random() < 0.75:
         face += rng.uniform(0.15, 1.15) * weights_of(**emotions[rng.integers(len(emotions))])
-    if rng.random() < 0.55:
-        # mostly near the middle: three sigma of the gaze components then still lie within what eyeballs do
-        aside, up = np.clip(rng.normal(0, 0.42, 2), -1, 1)
-        face += gaze(float(aside), float(up))
+    if rng.random() < 0.7:
+        face += gaze(float(rng.uniform(-1, 1)), float(rng.uniform(-1, 1)))
     if rng.random() < 0.4:
         lids = rng.choice([0.3, 0.6, 1.0])
         sides = rng.random(2) < 0.9

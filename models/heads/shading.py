@@ -23,15 +23,13 @@ EXPOSURE = 0.92
 IRIS_RAD = 0.405
 """Half angle of the iris, from the eyeball's centre."""
 PUPIL_RAD = 0.155
-COLLAR_EDGE = 0.004
-"""Metres over which skin turns into cloth."""
 CROWN = 0.0105
 """Metres of tooth that may show above the tip."""
 TOOTH_GAPS = (0.0, 0.0078, 0.0138, 0.0186, 0.0222)
 """Metres from the middle."""
 IRIS_COLORS = {
     "green": (0.33, 0.36, 0.22),
-    "lightblue": (0.37, 0.44, 0.50),
+    "lightblue": (0.36, 0.47, 0.56),
     "brown": (0.25, 0.135, 0.07),
     "blue": (0.24, 0.36, 0.52),
 }
@@ -70,7 +68,7 @@ class Shader:
         if on.any():
             scalp = (self.scalp[corners[on]] * weights[on]).sum(1)
             base[on], sheen[on] = albedo(self.person, self.maps, uv[on], canvas[on], scalp, self.brows.at(canvas[on]))
-            cloth = np.clip(0.5 - collar_height(position[on]) / COLLAR_EDGE, 0, 1)
+            cloth = (collar_height(position[on]) < 0).astype(float)
             base[on] += cloth[:, None] * (_cloth(self.person, canvas[on]) - base[on])
             sheen[on] *= 1 - cloth
         on = part == EYES
