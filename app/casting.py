@@ -1,6 +1,5 @@
 """Who plays: an avatar's file opened and joined with what drives it."""
 
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -12,6 +11,7 @@ from ..models.driver.baseline import baseline_weights
 from ..models.driver.regressor import Regressor, RegressorError
 from ..models.gem import Gem
 from ..models.gemfile import GemFormatError, load_gem
+from ..models.wholefile import file_sha256
 from .errors import InputError, UsageError
 from .following import Express, Floats
 
@@ -35,10 +35,10 @@ class Avatar:
 
 
 def open_avatar(path: Path) -> Avatar:
-    """Open a .gem file. Raises InputError with the reason when it is not one."""
+    """Open a .gem file. Raises InputError with the reason when it is not one, within bounded memory and time."""
     try:
-        data_hash = hashlib.sha256(path.read_bytes()).hexdigest()
-        return Avatar(load_gem(path), path, data_hash)
+        gem = load_gem(path)  # first: it refuses what is endless, huge or no avatar, unread
+        return Avatar(gem, path, file_sha256(path))
     except GemFormatError as error:
         raise InputError(str(error)) from error
     except OSError as error:

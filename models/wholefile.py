@@ -1,5 +1,6 @@
 """Files that appear whole or not at all, and reading only what is an ordinary file."""
 
+import hashlib
 import os
 import stat
 from collections.abc import Iterable, Iterator
@@ -42,3 +43,9 @@ def open_ordinary(path: Path) -> Iterator[tuple[BufferedReader, int]]:
         raise OSError(None, "it is no ordinary file")
     with path.open("rb") as file:
         yield file, os.fstat(file.fileno()).st_size
+
+
+def file_sha256(path: Path) -> str:
+    """SHA-256 of an ordinary file in hexadecimal, read piece by piece. Raises OSError like ``open_ordinary``."""
+    with open_ordinary(path) as (file, _):
+        return hashlib.file_digest(file, "sha256").hexdigest()
