@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.driver.face import FaceObservation, FaceTracker
+from ..models.driver.face import Box, FaceObservation, FaceTracker
 from ..models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..models.driver.neutral import NeutralChoice
 from ..models.driver.smoothing import OneEuro, Smoothed, step
@@ -23,8 +23,6 @@ EXPRESSION_FILTER = OneEuro(min_cutoff_hz=2.0, beta=1.0, together=True)
 keeps a correlation of .98 to .996 for smile, jaw and blink; with one cutoff a coefficient the smile falls to .86."""
 TURN_FILTER = OneEuro(min_cutoff_hz=2.0, beta=10.0, together=True)
 """On the head's rotation in radians."""
-SAME_FACE_SHIFT = 0.8
-"""A face whose middle moved by more than this part of its size between two frames is somebody else."""
 AT_LIMIT = 0.98 * 3.0
 """Coefficients beyond this many sigma count as clamped."""
 TURNED_DEG = (30.0, 45.0)
@@ -55,8 +53,8 @@ class Memory:
     attention: Attention = field(default_factory=Attention)
     seconds: float | None = None
     thumbnail: NDArray[np.float32] | None = None
-    box: tuple[float, float, float, float] | None = None
-    """Left, top, right, bottom of the followed face when it was last seen, pixels."""
+    box: Box | None = None
+    """Where the followed face was last seen."""
     expression: Smoothed | None = None
     """Coefficients away from the rest expression, in units of sigma."""
     turn: Smoothed | None = None
@@ -84,13 +82,10 @@ def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Me
     )
 
 
-def is_another(face: FaceObservation, memory: Memory) -> bool:
-    """Whether the tracker lost the locked face and found somebody else, who waits until the first is given up."""
-    if memory.box is None or memory.attention.missing_secs >= HOLD_SECS:
-        return False
-    (left, top, right, bottom), (left0, top0, right0, bottom0) = face.box_px, memory.box
-    shift = np.hypot(left + right - left0 - right0, top + bottom - top0 - bottom0) / 2
-    return bool(shift > SAME_FACE_SHIFT * max(right0 - left0, bottom0 - top0))
+def locked_box(memory: Memory, dt: float) -> Box | None:
+    """Where the face has to be that counts, ``dt`` seconds later: the one followed so far keeps the lock until it has
+    been gone for HOLD_SECS; then None, and anybody counts."""
+    return memory.box if memory.attention.missing_secs + dt < HOLD_SECS else None
 
 
 def count_faces(actor: Actor, memory: Memory, frame: Frame) -> Memory:

@@ -15,7 +15,7 @@ from ..render.compositing import over, to_rgba8
 from ..render.engines import Engine
 from ..render.gaussians import RawGaussians
 from . import idle
-from .following import Actor, Memory, count_faces, follow, is_another, turned_gain
+from .following import Actor, Memory, count_faces, follow, locked_box, turned_gain
 from .frames import Frame, is_cut, thumbnail
 from .performance import Pose
 from .sinks import Sink
@@ -60,9 +60,7 @@ def drive(actor: Actor, before: Memory, frame: Frame) -> tuple[Memory, Pose]:
         actor.tracker.reset()
         before = replace(before, box=None, expression=None, turn=None)
 
-    face = actor.tracker.track(frame.rgb)
-    if face is not None and is_another(face, before):
-        face = None
+    face = actor.tracker.track(frame.rgb, locked_box(before, dt))
     attention = update(before.attention, face is not None, dt)
     memory = replace(before, attention=attention, seconds=now, thumbnail=view)
     if face is not None:

@@ -11,7 +11,8 @@ from gemheads.app.performance import Pose
 from gemheads.app.reports import Tally
 from gemheads.app.state import Phase
 from gemheads.app.timing import Stopwatch
-from gemheads.models.driver.face import FaceObservation
+from gemheads.models.driver.detector import overlap
+from gemheads.models.driver.face import Box, FaceObservation
 from gemheads.models.driver.neutral import neutral_of
 from gemheads.models.driver.points import SCORES
 from gemheads.models.driver.smoothing import step
@@ -32,7 +33,7 @@ def face(jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, f
     scores = np.zeros(len(SCORES), np.float32)
     scores[SCORES.index("jawOpen")] = jaw
     landmarks = np.tile([*at, 0.0], (478, 1))
-    landmarks[1, :2] += 80
+    landmarks[1, :2] += 80.0
     return FaceObservation(
         landmarks_px=landmarks,
         presence=1.0,
@@ -48,18 +49,23 @@ def face(jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, f
     )
 
 
+Seen = FaceObservation | None | list[FaceObservation]
+
+
 @dataclass
 class ScriptedTracker:
-    """Sees what the script says, one entry an image."""
+    """Sees what the script says, one entry an image: nobody, a face, or several, the surest first."""
 
-    script: list[FaceObservation | None]
+    script: Sequence[Seen]
     people: int = 1
     resets: int = 0
     seen: int = field(default=0)
 
-    def track(self, rgb: np.ndarray) -> FaceObservation | None:
+    def track(self, rgb: np.ndarray, locked: Box | None = None) -> FaceObservation | None:
         self.seen += 1
-        return self.script[self.seen - 1]
+        entry = self.script[self.seen - 1]
+        there = entry if isinstance(entry, list) else [] if entry is None else [entry]
+        return next((face for face in there if locked is None or overlap(face.box_px, locked) > 0.2), None)
 
     def detect(self, rgb: np.ndarray) -> list[None]:
         return [None] * self.people
@@ -127,8 +133,31 @@ def test_somebody_else_waits_until_the_followed_face_is_given_up() -> None:
     poses = play(ScriptedTracker([face(at=(100, 100))] * 10 + [other] * 30))
     phases = [pose.phase for pose in poses]
     assert phases[10:19] == [Phase.HOLD] * 9
-    assert phases[25] is Phase.TRACKING
+    assert phases[19] is Phase.TRACKING
     assert first_sigmas(poses)[-1] == pytest.approx(1, abs=0.1)
+
+
+def test_the_followed_face_keeps_the_lock_while_others_come_and_go() -> None:
+    """The other one smiles, is always the surer one, and stays through a short absence of the followed face."""
+    calm, other = face(at=(100, 100)), face(jaw=1.0, at=(300, 100))
+    script: list[Seen] = [calm] * 5
+    script += [[other, calm]] * 10 + [other] * 5 + [[other, calm]] * 10 + [calm] * 5  # gone for 0.2 s
+    poses = play(ScriptedTracker(script))
+    assert np.abs(first_sigmas(poses)).max() < 1e-6
+    assert [pose.phase for pose in poses[15:20]] == [Phase.HOLD] * 5
+    assert all(pose.phase is Phase.TRACKING for pose in (*poses[:15], *poses[20:]))
+
+
+def test_a_face_that_moves_on_is_followed_however_far_it_gets() -> None:
+    script = [face(jaw=1.0, at=(100 + 30 * i, 100)) for i in range(15)]  # .35 of its size in a frame
+    assert all(pose.phase is Phase.TRACKING for pose in play(ScriptedTracker(script)))
+
+
+def test_in_slow_pictures_a_face_may_be_anywhere_next_time() -> None:
+    script = [face(at=(100 + 200 * i, 100)) for i in range(4)]
+    actor = Actor(ScriptedTracker(script), neutral_of(face(), 0, 0.0, ""), jaw_of, GEM, np.zeros(GEM.coefficient_count))  # pyright: ignore[reportArgumentType]
+    frames = [Frame(np.full((48, 64, 3), 90, np.uint8), i, Fraction(1)) for i in range(4)]  # one a second
+    assert [pose.phase for _, pose, _ in perform(actor, frames, Stopwatch())] == [Phase.TRACKING] * 4
 
 
 def test_other_people_are_counted() -> None:

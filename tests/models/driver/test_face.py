@@ -70,6 +70,34 @@ def test_one_of_two_faces_is_locked_and_found_again(tracker: FaceTracker, frames
         assert overlap(again.box_px, chosen.box_px) > 0.3
 
 
+def test_a_lock_holds_while_both_faces_come_and_go(tracker: FaceTracker, frames: Frames) -> None:
+    left, right = frames[0], frames[0][:, ::-1]
+    nobody = np.full_like(left, 127)
+    first = seen(tracker.track(np.concatenate([left, nobody], axis=1)))
+    box = first.box_px
+    for pair, there in (
+        ((left, right), True),
+        ((nobody, right), False),  # the other one alone
+        ((nobody, right), False),
+        ((left, right), True),
+        ((left, nobody), True),
+        ((nobody, nobody), False),
+        ((left, right), True),
+    ):
+        face = tracker.track(np.concatenate(pair, axis=1), box)
+        assert (face is not None) is there
+        assert face is None or overlap(face.box_px, box) > 0.8
+    assert seen(tracker.track(np.concatenate([nobody, right], axis=1))).box_px[0] > left.shape[1]  # the lock is off
+
+
+def test_a_face_of_a_clip_is_never_taken_for_another(tracker: FaceTracker, frames: Frames) -> None:
+    """Not even at an eighth of its frames, when it moves eight times as fast."""
+    for stride in (1, 8):
+        box = None
+        for frame in frames[::stride]:
+            box = seen(tracker.track(frame, box)).box_px
+
+
 def test_a_mirrored_face_swaps_left_and_right(frames: Frames) -> None:
     frame = frames[len(frames) // 2]
     plain, mirrored = (seen(FaceTracker().track(np.ascontiguousarray(f))) for f in (frame, frame[:, ::-1]))
