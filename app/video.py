@@ -24,8 +24,8 @@ class VideoFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        with _opened(path) as container:
-            stream = _video_stream(container, path)
+        with open_container(path) as container:
+            stream = video_stream(container, path)
             self.time_base: Fraction = stream.time_base or Fraction(1, 1000)
             self.rate = Fraction(stream.average_rate or stream.guessed_rate or 30)
             self.frame_count: int | None = _expected_frames(stream, self.rate)
@@ -36,10 +36,10 @@ class VideoFile:
     def frames(self) -> Iterator[Frame]:
         """All frames in order of presentation; damaged packets are passed over. Raises InputError without any."""
         last: int | None = None
-        with _opened(self.path) as container:
-            stream = _video_stream(container, self.path)
+        with open_container(self.path) as container:
+            stream = video_stream(container, self.path)
             stream.thread_type = "AUTO"
-            for picture in _decoded(container, stream):
+            for picture in decoded(container, stream):
                 frame = self._frame(picture, last)
                 # Encoders need rising timestamps; a repeated one is the same instant and cannot be shown twice.
                 if last is None or frame.pts > last:
@@ -60,10 +60,10 @@ class VideoFile:
         """By decoding from the beginning, converting only what is kept."""
         step = max(1, min(self.frame_count or WHOLE_CLIP_FRAMES, WHOLE_CLIP_FRAMES) // count)
         frames: list[Frame] = []
-        with _opened(self.path) as container:
-            stream = _video_stream(container, self.path)
+        with open_container(self.path) as container:
+            stream = video_stream(container, self.path)
             stream.thread_type = "AUTO"
-            for index, picture in enumerate(_decoded(container, stream)):
+            for index, picture in enumerate(decoded(container, stream)):
                 if index % step == 0:
                     frames.append(self._frame(picture, frames[-1].pts if frames else None))
                     if len(frames) == count:
@@ -72,15 +72,15 @@ class VideoFile:
 
     def _key_frames(self, count: int) -> list[Frame]:
         found: dict[int, Frame] = {}
-        with _opened(self.path) as container:
-            stream = _video_stream(container, self.path)
+        with open_container(self.path) as container:
+            stream = video_stream(container, self.path)
             if not stream.duration:
                 return []
             start = stream.start_time or 0
             for target in np.linspace(start, start + stream.duration, count, endpoint=False):
                 try:
                     container.seek(int(target), stream=stream)
-                    picture = next(_decoded(container, stream), None)
+                    picture = next(decoded(container, stream), None)
                 except av.error.FFmpegError:
                     return []  # a file that cannot be sought is decoded from its beginning instead
                 if picture is not None and picture.pts is not None and picture.pts not in found:
@@ -92,10 +92,11 @@ class VideoFile:
         if pts is None:  # raw streams carry no time
             tick = max(1, round(1 / (self.rate * self.time_base)))
             pts = 0 if last is None else last + tick
-        return Frame(_upright_rgb(picture), pts, self.time_base)
+        return Frame(upright_rgb(picture), pts, self.time_base)
 
 
-def _opened(path: Path) -> Any:
+def open_container(path: Path) -> Any:
+    """An opened media file of PyAV, to be closed by the caller. Raises InputError."""
     try:
         if path.stat().st_size == 0:
             raise InputError(f"{path}: the file is empty (0 bytes); copy it again")
@@ -106,7 +107,8 @@ def _opened(path: Path) -> Any:
         raise InputError(f"{path}: cannot be opened ({error.strerror}); check the path") from error
 
 
-def _video_stream(container: Any, path: Path) -> Any:
+def video_stream(container: Any, path: Path) -> Any:
+    """The first stream that is a video and no cover picture. Raises InputError without one."""
     attached = getattr(av.stream.Disposition, "attached_pic", 0)
     for stream in container.streams.video:
         if not stream.disposition & attached:
@@ -119,7 +121,7 @@ def _expected_frames(stream: Any, rate: Fraction) -> int | None:
     return round(stream.duration * stream.time_base * rate) if stream.duration else stream.frames or None
 
 
-def _decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
+def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
     """The stream's pictures; a packet that cannot be decoded is passed over, the next ones still count."""
     for packet in container.demux(stream):
         try:
@@ -128,7 +130,7 @@ def _decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
             continue
 
 
-def _upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
+def upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
     """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there."""
     scale = min(1.0, LONGEST_SIDE / max(picture.width, picture.height))
     if scale < 1:
