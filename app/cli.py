@@ -38,6 +38,7 @@ def reenact(
     components: int | None = None,
     size: Size = "512x512",
     neutral: str = "auto",
+    neutral_sheet: Path | None = None,
     side_by_side: Annotated[bool, Parameter(negative="")] = False,
     background: str = "grey",
     no_head_pose: Annotated[bool, Parameter(negative="")] = False,
@@ -57,6 +58,8 @@ def reenact(
         components: How many components a modality to draw with; fewer is faster and coarser. Default: all.
         size: Width x height of the avatar's picture in pixels, both even.
         neutral: The driver's face at rest: auto, first, frame=N, time=S or image=PATH.
+        neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face. With several
+            drivers a folder.
         side_by_side: Put the driver's picture beside the avatar's.
         background: A colour (#rrggbb or a name) or transparent (.mov, .webm or PNGs).
         no_head_pose: Keep the head still; only the expression is followed.
@@ -77,7 +80,7 @@ def reenact(
         avatar=find_avatar(avatar),
         components=components,
         size=read_size(size),
-        neutral=read_rule(neutral),
+        neutral=read_rule(neutral, neutral_sheet),
         side_by_side=side_by_side,
         background=read_colour(background),
         head_pose=not no_head_pose,
@@ -218,6 +221,7 @@ def track(
     out: Out,
     avatar: AvatarName = None,
     neutral: str = "auto",
+    neutral_sheet: Path | None = None,
     with_driver: Annotated[DriverName, Parameter(name="--driver")] = "learned",
     rate: str = "30",
 ) -> int:
@@ -228,6 +232,7 @@ def track(
         out: The track to write (safetensors).
         avatar: Name of an avatar or a .gem file; the track belongs to it.
         neutral: The driver's face at rest: auto, first, frame=N, time=S or image=PATH.
+        neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face.
         with_driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
         rate: Frames per second of pictures.
     """
@@ -236,7 +241,8 @@ def track(
     from .tracking import run_tracking
     from .words import read_rate
 
-    return run_tracking(driver, Path(out), find_avatar(avatar), read_rule(neutral), with_driver, read_rate(rate))
+    rule = read_rule(neutral, neutral_sheet)
+    return run_tracking(driver, Path(out), find_avatar(avatar), rule, with_driver, read_rate(rate))
 
 
 @app.command

@@ -1,6 +1,6 @@
 """One picture of a driver and when it is shown."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
@@ -17,6 +17,8 @@ class Frame:
     """Presentation time in units of ``time_base``, exactly as in the source."""
     time_base: Fraction
     """Seconds per unit of ``pts``."""
+    number: int | None = field(default=None, kw_only=True)
+    """Position in the source, from 0, where it is known."""
 
     @property
     def seconds(self) -> float:

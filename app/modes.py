@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.gem import CLAMP_SIGMAS, MODALITIES, Gem
-from ..models.wholefile import write_whole
 from ..render.camera import Camera
 from ..render.compositing import over
 from ..render.gaussians import RawGaussians
 from ..render.software import SoftwareEngine
 from .errors import OutputError
+from .pictures import write_png
 from .portrait import portrait
 
 Image = NDArray[np.uint8]
@@ -80,7 +80,10 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
         ]
     finally:
         drawer.close()
-    _write_png(np.concatenate(pictures), out)
+    grid = np.concatenate(pictures)
+    if not grid.size:
+        raise OutputError(f"{out}: nothing to draw; ask for one component or more of an avatar that moves")
+    write_png(grid, out)
 
 
 def _label(modality: str, component: int, width: int, steps: int) -> Image:
@@ -91,14 +94,3 @@ def _label(modality: str, component: int, width: int, steps: int) -> Image:
         place = (column * width + 6, LABEL_PX - 9)
         cv2.putText(strip, text, place, cv2.FONT_HERSHEY_SIMPLEX, min(0.5, width / 440), (60, 60, 60), 1, cv2.LINE_AA)
     return strip
-
-
-def _write_png(image: Image, out: Path) -> None:
-    if not image.size:
-        raise OutputError(f"{out}: nothing to draw; ask for one component or more of an avatar that moves")
-    png = cv2.imencode(".png", np.ascontiguousarray(image[..., ::-1]))[1]
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(out, [png.tobytes()])
-    except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error

@@ -6,8 +6,10 @@ from typing import Literal
 
 from ..models.driver.face import FaceObservation, FaceTracker
 from ..models.driver.neutral import NeutralChoice, choose_neutral, neutral_of
+from .contact import contact_sheet
 from .errors import InputError, NoFaceError, UsageError
 from .frames import Frame
+from .pictures import write_png
 from .sources import Source, read_image
 
 SAMPLES = 32
@@ -20,16 +22,20 @@ class NeutralRule:
 
     kind: Literal["auto", "first", "frame", "time", "image"]
     value: str = ""
+    sheet: Path | None = None
+    """Where ``auto`` puts a contact sheet (PNG) of what it chose from: it shows the driver's face."""
 
 
 AUTO = NeutralRule("auto")
 
 
-def read_rule(text: str) -> NeutralRule:
-    """The rule behind the word after ``--neutral``. Raises UsageError."""
+def read_rule(text: str, sheet: Path | None = None) -> NeutralRule:
+    """The rule behind the word after ``--neutral``, and where the contact sheet goes. Raises UsageError."""
     kind, _, value = text.partition("=")
+    if sheet is not None and text != "auto":
+        raise UsageError(f"--neutral-sheet shows what --neutral auto chose from; leave it out with --neutral {text}")
     if kind in ("auto", "first") and not value:
-        return NeutralRule(kind)  # pyright: ignore[reportArgumentType]
+        return NeutralRule(kind, sheet=sheet)  # pyright: ignore[reportArgumentType]
     if kind == "frame" and value.isdecimal():
         return NeutralRule("frame", value)
     if kind == "time" and _seconds(value) is not None:
@@ -44,11 +50,12 @@ def read_rule(text: str) -> NeutralRule:
 def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralChoice:
     """The neutral of a driver. Leaves the tracker as new.
 
-    Raises NoFaceError when nobody is in the frames that the rule points at, InputError when there is no such frame.
+    Raises NoFaceError when nobody is in the frames that the rule points at, InputError when there is no such frame,
+    OutputError when the contact sheet that it asks for cannot be written.
     """
     try:
         if rule.kind == "auto":
-            return _chosen(source, tracker)
+            return _chosen(source, tracker, rule.sheet)
         if rule.kind == "image":
             face = _look_twice(tracker, Frame(read_image(Path(rule.value)), 0, source.time_base))
             if face is None:
@@ -59,7 +66,16 @@ def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> Neu
         tracker.reset()
 
 
-def _chosen(source: Source, tracker: FaceTracker) -> NeutralChoice:
+def said(choice: NeutralChoice, rule: NeutralRule) -> str:
+    """Which neutral it is and why, and where the others can be seen."""
+    if rule.kind != "auto" or not choice.candidates:
+        return choice.reason
+    if rule.sheet is None:
+        return f"{choice.reason} (--neutral-sheet FILE.png shows the best {len(choice.candidates)})"
+    return f"{choice.reason} (the best {len(choice.candidates)}: {rule.sheet}, which shows the driver's face)"
+
+
+def _chosen(source: Source, tracker: FaceTracker, sheet: Path | None) -> NeutralChoice:
     frames = source.samples(SAMPLES)
     faces = [_look_twice(tracker, frame) for frame in frames]
     if not any(faces):  # perhaps somebody comes between the samples
@@ -69,7 +85,10 @@ def _chosen(source: Source, tracker: FaceTracker) -> NeutralChoice:
         raise NoFaceError(
             f"{source.path}: no face in the whole clip; give one where a face fills a tenth of the height or more"
         )
-    return choose_neutral(faces, [frame.seconds for frame in frames])
+    choice = choose_neutral(faces, [frame.seconds for frame in frames], [frame.number for frame in frames])
+    if sheet is not None:
+        write_png(contact_sheet(choice.candidates, frames, faces), sheet)
+    return choice
 
 
 def _given(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralChoice:

@@ -15,7 +15,7 @@ from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError
 from .following import Actor
 from .frames import Frame
 from .live import Image, Stage, perform, run_offline
-from .neutrals import AUTO, NeutralRule, find_neutral
+from .neutrals import AUTO, NeutralRule, find_neutral, said
 from .outputs import is_video, plan_outputs
 from .performance import Pose
 from .portrait import portrait
@@ -68,6 +68,8 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     started = time.perf_counter()
     if not drivers and wish.track is None:
         raise UsageError("no driver given; name a video, a folder of pictures, or --track FILE")
+    if wish.neutral.sheet is not None and wish.track is not None:
+        raise UsageError("--neutral-sheet: a track needs no neutral; give it to `gemheads track`, or leave out --track")
     jobs = plan_outputs(drivers or [str(wish.track)], out, wish.background is None)
     for _, result in jobs:
         if is_video(result):
@@ -78,7 +80,8 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         cast = _opened(wish, bool(drivers))
         try:
             for driver, result in jobs:
-                outcome, failed = _outcome_of(driver if drivers else None, result, cast, wish, bar, started)
+                own = replace(wish, neutral=_with_sheet(wish.neutral, result, len(jobs)))
+                outcome, failed = _outcome_of(driver if drivers else None, result, cast, own, bar, started)
                 outcomes.append(outcome)
                 bar.say(f"error: {outcome.message}" if outcome.status == "failed" else outcome.message)
                 code = code or failed
@@ -105,6 +108,13 @@ def _opened(wish: Wish, followed: bool) -> Cast:
         expression_of(avatar, wish.driving)  # fails now rather than after the tracker and the engine have started
     tracker = FaceTracker() if followed and track is None else None
     return Cast(avatar, tracker, open_engine(wish.engine), track)
+
+
+def _with_sheet(rule: NeutralRule, result: Path, drivers: int) -> NeutralRule:
+    """With several drivers the contact sheets go to a folder, each named like its result."""
+    if rule.sheet is None or drivers == 1:
+        return rule
+    return replace(rule, sheet=rule.sheet / f"{result.stem}.png")
 
 
 def _outcome_of(
@@ -191,6 +201,7 @@ class _Run:
         assert self._cast.tracker is not None
         with self.watch("neutral"):
             neutral = find_neutral(self._wish.neutral, source, self._cast.tracker)
+        self._bar.say(f"{source.path}: neutral: {said(neutral, self._wish.neutral)}")
         self.neutral = {
             "rule": self._wish.neutral.kind,
             "seconds": round(neutral.time, 3),

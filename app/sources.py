@@ -74,7 +74,7 @@ class Images:
     def samples(self, count: int) -> list[Frame]:
         """Up to ``count`` pictures, evenly spread."""
         chosen = np.unique(np.linspace(0, len(self.files) - 1, count).round().astype(int))
-        return [Frame(read_image(self.files[i]), int(i), self.time_base) for i in chosen]
+        return [Frame(read_image(self.files[i]), int(i), self.time_base, number=int(i)) for i in chosen]
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:

@@ -10,7 +10,7 @@ from .casting import Driving, expression_of, open_avatar
 from .errors import ExitCode, NoFaceError
 from .following import Actor
 from .live import perform
-from .neutrals import NeutralRule, find_neutral
+from .neutrals import NeutralRule, find_neutral, said
 from .performance import Pose
 from .progress import ProgressBar
 from .reports import Tally
@@ -37,7 +37,7 @@ def run_tracking(
     times: list[int] = []
     tally, code = Tally(), ExitCode.OK
     with ProgressBar() as bar:
-        bar.say(f"neutral: {neutral.reason}")
+        bar.say(f"neutral: {said(neutral, rule)}")
         bar.begin(out.name, source.frame_count)
         try:
             for _, pose, pts in perform(actor, ahead(source.frames()), Stopwatch()):

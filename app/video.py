@@ -1,6 +1,7 @@
 """Reading a video file: upright frames with the file's own timestamps."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -65,7 +66,8 @@ class VideoFile:
             stream.thread_type = "AUTO"
             for index, picture in enumerate(decoded(container, stream)):
                 if index % step == 0:
-                    frames.append(self._frame(picture, frames[-1].pts if frames else None))
+                    frame = self._frame(picture, frames[-1].pts if frames else None)
+                    frames.append(replace(frame, number=index))
                     if len(frames) == count:
                         break
         return frames

@@ -11,6 +11,8 @@ from .features import BLOCKS, SCORE_NAMES, SCORES, feature_vector, head_rotation
 from .measures import MEASURES
 
 CANDIDATES = 6
+_FLAW, _WEAKNESS = 0.35, 0.05
+"""Penalties from which on something is wrong with a frame, and from which on it is worth a word."""
 _NEIGHBOURS = 2
 """The neutral's features are the median over this many frames before and behind the chosen one: less noise."""
 _LIKE_THE_BEST = 0.15
@@ -43,6 +45,17 @@ class Candidate:
     penalties: dict[str, float]
     """Penalty by its name (turned, open_mouth, closed_eyes, expression, unusual, blurred), each >= 0."""
 
+    @property
+    def flaws(self) -> tuple[str, ...]:
+        """What is wrong with it, in words."""
+        return tuple(_WORDS[name] for name, penalty in self.penalties.items() if penalty > _FLAW)
+
+    @property
+    def weakness(self) -> str:
+        """What speaks most against it, in words; empty where nothing does."""
+        worst = max(self.penalties, key=self.penalties.__getitem__)
+        return _WORDS[worst] if self.penalties[worst] > _WEAKNESS else ""
+
 
 @dataclass(frozen=True)
 class NeutralChoice:
@@ -62,12 +75,15 @@ class NeutralChoice:
     """At most six, the best first, spread over the clip; the first is the chosen one."""
 
 
-def choose_neutral(observations: Sequence[FaceObservation | None], times: Sequence[float]) -> NeutralChoice:
+def choose_neutral(
+    observations: Sequence[FaceObservation | None], times: Sequence[float], numbers: Sequence[int | None] | None = None
+) -> NeutralChoice:
     """The frame that is frontal, mouth closed, eyes open, without expression, like most of the clip, and sharp.
 
     Args:
         observations: one per sampled frame, None where no face was seen.
         times: their times in seconds.
+        numbers: which frames of the clip they are, None where that is unknown; for the reason. Default: the first ones.
 
     Raises:
         ValueError: when no frame shows a face, or the lengths differ.
@@ -94,7 +110,7 @@ def choose_neutral(observations: Sequence[FaceObservation | None], times: Sequen
         time=times[seen[best][0]],
         features=np.median(features[group], axis=0).astype(np.float32),
         rotation=np.median(rotations[group], axis=0),
-        reason=_reason(ranking[0], rotations[best]),
+        reason=_reason(ranking[0], rotations[best], ranking[0].index if numbers is None else numbers[ranking[0].index]),
         candidates=_spread(ranking, max(times) - min(times)),
     )
 
@@ -126,15 +142,13 @@ def _penalties(
     }
 
 
-def _reason(chosen: Candidate, rotation: NDArray[np.float64]) -> str:
+def _reason(chosen: Candidate, rotation: NDArray[np.float64], number: int | None) -> str:
     pitch, yaw, roll = np.degrees(rotation)
-    words = (
-        f"frame {chosen.index} at {chosen.time:.2f} s: head turned {yaw:+.0f}, nodded {pitch:+.0f}, tilted {roll:+.0f}"
-    )
-    against = [_WORDS[name] for name, penalty in chosen.penalties.items() if penalty > 0.35]
-    if not against:
+    which = "the frame" if number is None else f"frame {number}"
+    words = f"{which} at {chosen.time:.2f} s: head turned {yaw:+.0f}, nodded {pitch:+.0f}, tilted {roll:+.0f}"
+    if not chosen.flaws:
         return f"{words} degrees; mouth closed, eyes open, face at rest, sharp"
-    return f"{words} degrees; the best there is, but {' and '.join(against)}"
+    return f"{words} degrees; the best there is, but {' and '.join(chosen.flaws)}"
 
 
 def _spread(ranking: Sequence[Candidate], duration: float) -> tuple[Candidate, ...]:

@@ -89,6 +89,8 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("reenact", "-o", "b.mp4", *avatar), "no driver given"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--background", "transparent", *avatar), "cannot be transparent"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--components", "99", *avatar), "stores 6"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--neutral", "first", "--neutral-sheet", "c.png"), "leave it out"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--neutral-sheet", "c.png", *avatar), "needs no neutral"),
         (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
     ):
         code, error = told(capsys, *words)

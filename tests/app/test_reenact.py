@@ -171,6 +171,23 @@ def test_neutral_by_picture_by_frame_and_by_time(tiny: Path, clip: Path, tmp_pat
         assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral", rule) == code, rule
 
 
+def test_a_contact_sheet_only_where_asked_for(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4") == 0
+    assert "--neutral-sheet FILE.png shows the best" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.png"))
+    sheet = tmp_path / "new" / "sheet.png"
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", sheet) == 0
+    assert str(sheet) in capsys.readouterr().err
+    assert min(cv2.imread(str(sheet)).shape[:2]) > 250
+    other = tmp_path / "other.mp4"
+    other.write_bytes(clip.read_bytes())
+    assert play(tiny, clip, other, "-o", tmp_path / "all", "--neutral-sheet", tmp_path / "sheets") == 0
+    assert sorted(file.name for file in (tmp_path / "sheets").iterdir()) == ["other.png", "talk.png"]
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", tmp_path / "sheets") == ExitCode.OUTPUT
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal")
 def test_ctrl_c_leaves_a_video_that_plays(tiny: Path, tmp_path: Path) -> None:
     clip = cut_clip(tmp_path / "long.mp4", tuple(range(0, 90000, 1000)))

@@ -42,6 +42,8 @@ def test_samples_spread_over_the_clip(make_clip: Clip) -> None:
     source = open_source(str(make_clip(pts=tuple(range(0, 60000, 1000)))))
     samples = source.samples(6)
     assert [sample.pts for sample in samples] == [0, 10000, 20000, 30000, 40000, 50000]
+    everything = list(source.frames())
+    assert [everything[sample.number or 0].pts for sample in samples] == [sample.pts for sample in samples]
 
 
 def test_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:

@@ -64,6 +64,20 @@ def test_when_all_frames_are_turned_the_reason_says_it(still_face: FaceObservati
     assert "the head is turned" in choice.reason
 
 
+def test_the_reason_names_the_frame_of_the_clip(still_face: FaceObservation) -> None:
+    faces, times = [turned(still_face, 30), still_face], [0.0, 1.4]
+    assert choose_neutral(faces, times, [0, 35]).reason.startswith("frame 35 at 1.40 s")
+    assert choose_neutral(faces, times, [None, None]).reason.startswith("the frame at 1.40 s")
+    assert choose_neutral(faces, times, [0, 35]).index == 1
+
+
+def test_a_candidate_says_what_is_wrong_with_it(still_face: FaceObservation) -> None:
+    best, worst = choose_neutral([turned(still_face, 30), still_face], [0.0, 1.4]).candidates
+    assert best.flaws == ()
+    assert worst.flaws == ("the head is turned",)
+    assert worst.weakness == "the head is turned"
+
+
 def test_the_neutral_is_a_median_of_calm_neighbours(still_face: FaceObservation) -> None:
     rng = np.random.default_rng(0)
     noisy = [replace(still_face, metric_mesh=still_face.metric_mesh + rng.normal(0, 0.02, (468, 3))) for _ in range(9)]
