@@ -1,4 +1,4 @@
-"""A mailbox with one slot: what is put in replaces what nobody took. Between two threads, so that neither ever waits."""
+"""A mailbox with one slot between two threads: what is put in replaces what nobody took, and nobody ever waits."""
 
 import threading
 from typing import Generic, TypeVar

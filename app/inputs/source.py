@@ -1,7 +1,7 @@
 """What every live source offers to the capture thread."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
@@ -17,7 +17,7 @@ Kind = Literal["camera", "video", "pictures", "track", "weights"]
 class TimedFrame(Frame):
     """A picture that knows when it was delivered: what latency is measured from."""
 
-    delivered: float
+    delivered: float = field(kw_only=True)
     """Seconds of ``time.perf_counter``."""
 
 
@@ -119,6 +119,11 @@ class LiveSource(Protocol):
     @property
     def drops(self) -> int:
         """Frames that a newer one replaced before they were read."""
+        ...
+
+    @property
+    def rejected(self) -> int:
+        """Deliveries that were no such thing: broken pictures, packets of garbage."""
         ...
 
     def read(self, timeout: float) -> Delivery | None:

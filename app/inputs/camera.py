@@ -1,0 +1,204 @@
+"""A camera chosen by its name, read in a thread of its own: the newest picture wins, and a hang harms nobody."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mailbox import Mailbox
+from .source import Kind, LiveSource, Opener, SourceLost, TimedFrame
+
+MICROSECOND = Fraction(1, 1_000_000)
+SILENT_SECS = 1.0
+"""A camera that gives no picture for so long, though it answers, is gone."""
+_PAUSE_SECS = 0.01
+_BY_WIRE = (640, 480)
+"""Larger pictures do not fit through USB 2 uncompressed at full rate; then Motion JPEG is asked for."""
+
+CURES = {
+    "linux": "Close other programs that use it, or allow it: sudo usermod -aG video $USER, then log in anew.",
+    "darwin": "Close other programs that use it, and allow it in System Settings, Privacy & Security, Camera.",
+    "win32": "Close other programs that use it (Teams, Zoom, Camera), and allow it in Settings, Privacy, Camera.",
+}
+"""What to do about a camera that is busy or refused."""
+
+
+@dataclass(frozen=True)
+class CameraChoice:
+    """One camera that is connected."""
+
+    name: str
+    """As its maker calls it; with a number behind it where two are called the same."""
+    index: int
+    """What OpenCV calls it now; it changes when cameras are plugged in."""
+    path: str = ""
+    """Where the system keeps it, as far as it says."""
+
+
+def cameras() -> list[CameraChoice]:
+    """The cameras that are connected, by one backend of this system; empty where none is, or none can be listed."""
+    import cv2
+    from cv2_enumerate_cameras import enumerate_cameras, supported_backends
+
+    wanted = {"linux": cv2.CAP_V4L2, "darwin": cv2.CAP_AVFOUNDATION, "win32": cv2.CAP_DSHOW}.get(sys.platform)
+    try:
+        backend = wanted if wanted in supported_backends else cv2.CAP_ANY
+        found = sorted(enumerate_cameras(backend), key=lambda camera: camera.index)
+    except (OSError, RuntimeError, NotImplementedError):
+        return []
+    seen: dict[str, int] = {}
+    choices: list[CameraChoice] = []
+    for camera in found:
+        name = camera.name or f"camera {camera.index}"
+        seen[name] = seen.get(name, 0) + 1
+        unique = name if seen[name] == 1 else f"{name} ({seen[name]})"
+        choices.append(CameraChoice(unique, camera.index + (camera.backend or 0), str(camera.path or "")))
+    return choices
+
+
+Device = Any
+"""What ``cv2.VideoCapture`` offers: isOpened, read, get, set, release."""
+
+
+def open_camera(
+    choice: CameraChoice,
+    size: tuple[int, int] = (640, 480),
+    rate: float = 30.0,
+    connected: Callable[[], list[CameraChoice]] = cameras,
+    open_device: Callable[[int], Device] | None = None,
+    clock: Callable[[], float] = time.perf_counter,
+) -> Opener:
+    """What opens the camera of this name, wherever it is plugged in by then.
+
+    Args:
+        choice: one of ``cameras()``.
+        size: width and height asked for; the camera may give others.
+        rate: frames a second asked for.
+        connected: lists the cameras.
+        open_device: opens one by its index (default: OpenCV).
+        clock: stamps the frames.
+    """
+
+    def open_now() -> LiveSource:
+        now = next((camera for camera in connected() if camera.name == choice.name), None)
+        if now is None:
+            raise SourceLost(f"{choice.name} is not connected.", "Plug it in; it is used as soon as it is there.", True)
+        device = (open_device or _opencv)(now.index)
+        if not device.isOpened():
+            device.release()
+            raise SourceLost(f"{choice.name} cannot be opened.", f"{_cure()} Or play the demo meanwhile.", True)
+        return Camera(choice.name, device, size, rate, clock)
+
+    return open_now
+
+
+class Camera:
+    """An opened camera and the thread that reads it."""
+
+    kind: Kind = "camera"
+    transport = None
+
+    def __init__(
+        self, name: str, device: Device, size: tuple[int, int], rate: float, clock: Callable[[], float]
+    ) -> None:
+        self._label, self._device, self._clock = name, device, clock
+        self._box: Mailbox[TimedFrame] = Mailbox()
+        self._stopped = threading.Event()
+        self._lost: SourceLost | None = None
+        self.rejected = 0
+        self.size, self.rate = _asked_for(device, size, rate)
+        """Width and height, and frames a second, that the camera says it gives."""
+        self._thread = threading.Thread(target=self._run, name=f"camera {name}", daemon=True)
+        self._thread.start()
+
+    @property
+    def name(self) -> str:
+        """The camera and what it delivers."""
+        return f"{self._label}, {self.size[0]}x{self.size[1]} at {self.rate:.0f} frames/s"
+
+    @property
+    def drops(self) -> int:
+        """Pictures that were too old to be looked at."""
+        return self._box.dropped
+
+    def read(self, timeout: float) -> TimedFrame | None:
+        """The newest picture. Raises SourceLost when the camera went away."""
+        frame = self._box.take(timeout)
+        if frame is None and self._lost is not None:
+            raise self._lost
+        return frame
+
+    def close(self) -> None:
+        """The reading thread lets go of the device, as soon as the device lets go of it."""
+        self._stopped.set()
+
+    def _run(self) -> None:
+        started = good = self._clock()
+        try:
+            while not self._stopped.is_set():
+                picture = self._picture()
+                now = self._clock()
+                if picture is not None:
+                    good = now
+                    pts = round((now - started) / MICROSECOND)
+                    self._box.put(TimedFrame(picture, pts, MICROSECOND, delivered=now))
+                elif now - good > SILENT_SECS:
+                    raise SourceLost(
+                        f"{self._label} went away.", "Plug it in again; it is used as soon as it is there.", True
+                    )
+                else:
+                    self._stopped.wait(_PAUSE_SECS)
+        except SourceLost as lost:
+            self._lost = lost
+        except Exception as error:  # drivers raise what they like; the loop is to hear of it
+            self._lost = SourceLost(f"{self._label} failed ({error}).", _cure(), True)
+        finally:
+            self._device.release()
+
+    def _picture(self) -> NDArray[np.uint8] | None:
+        """[H, W, 3] RGB; None when the device gave nothing, or something else."""
+        import cv2
+
+        given, image = self._device.read()
+        if not given:
+            return None
+        if not isinstance(image, np.ndarray) or image.dtype != np.uint8 or image.size == 0 or image.ndim not in (2, 3):
+            self.rejected += 1
+            return None
+        if image.ndim == 2 or image.shape[2] == 1:
+            return np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB), np.uint8)
+        if image.shape[2] != 3:
+            self.rejected += 1
+            return None
+        return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def _asked_for(device: Device, size: tuple[int, int], rate: float) -> tuple[tuple[int, int], float]:
+    """Ask for a size and a rate; returns what the device then says it gives."""
+    import cv2
+
+    if size[0] * size[1] > _BY_WIRE[0] * _BY_WIRE[1]:
+        device.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
+    device.set(cv2.CAP_PROP_FRAME_WIDTH, size[0])
+    device.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
+    device.set(cv2.CAP_PROP_FPS, rate)
+    device.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # where it is understood: an older picture than the newest is of no use
+    width, height = (int(device.get(p) or 0) for p in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
+    return (width, height), float(device.get(cv2.CAP_PROP_FPS) or 0.0)
+
+
+def _opencv(index: int) -> Device:
+    import cv2
+
+    cv2.setLogLevel(2)  # errors only: that a camera is not there is said in our words
+    return cv2.VideoCapture(index)
+
+
+def _cure() -> str:
+    return CURES.get(sys.platform, "Close other programs that use it, and allow programs to use cameras.")

@@ -1,0 +1,131 @@
+"""A video file played in real time by its timestamps; what comes too late is decoded and passed over."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+
+from ..frames import Frame
+from ..video import decoded, open_container, upright_rgb, video_stream
+from .source import Kind, SourceLost, TimedFrame
+from .transport import Playhead
+
+MOST_AT_ONCE = 8
+"""After so many frames passed over in one read the clock slips instead: it would never catch up."""
+LONGEST_SECS = 24 * 3600.0
+"""Stands for a duration that the file does not tell."""
+_EARLY_SECS = 1e-4
+
+
+class VideoPlayer:
+    """Looks like a camera with buttons. Raises InputError when the file is no video."""
+
+    kind: Kind = "video"
+    rejected = 0
+
+    def __init__(self, path: Path, clock: Callable[[], float] = time.perf_counter) -> None:
+        self.name = path.name
+        self._path, self._clock = path, clock
+        self.drops = 0
+        self._open()
+        rate = self._stream.average_rate or self._stream.guessed_rate or Fraction(30)
+        self._frame_secs = 1 / float(rate)
+        duration = self._stream.duration * self._tick if self._stream.duration else None
+        if duration is None and self._container.duration:
+            duration = self._container.duration / av.time_base
+        self.transport = Playhead(float(duration or LONGEST_SECS), self._frame_secs, clock=clock)
+        self._jumps = self.transport.jumps
+        self._last_secs = -self._frame_secs
+
+    def read(self, timeout: float) -> Frame | None:
+        """The frame that is due now; None before it, and while paused. Raises SourceLost when it breaks off."""
+        try:
+            found = self._due()
+            if found is None and timeout > 0:
+                self.transport.wait(min(timeout, self._until_next()))
+                found = self._due()
+            return found
+        except av.error.FFmpegError as error:
+            message = f"{self.name} cannot be read any further ({error.strerror})."
+            raise SourceLost(message, "Check that the disk is still there, and open the file again.", False) from error
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._container.close()
+
+    def _open(self) -> None:
+        self._container = open_container(self._path)
+        self._stream: Any = video_stream(self._container, self._path)
+        self._stream.thread_type = "AUTO"
+        self._tick = self._stream.time_base or Fraction(1, 1000)
+        self._start = self._stream.start_time or 0
+        self._pictures: Iterator[av.VideoFrame] = decoded(self._container, self._stream)
+        self._next: tuple[float, av.VideoFrame] | None = None
+        self._last_secs = -1.0
+
+    def _due(self) -> Frame | None:
+        position = self.transport.position
+        if self.transport.jumps != self._jumps:
+            self._jumps = self.transport.jumps
+            return self._at(position)
+        chosen = None
+        for _ in range(MOST_AT_ONCE):
+            ahead = self._peek()
+            if ahead is None:
+                if chosen is None and position >= self._last_secs + self._frame_secs - _EARLY_SECS:
+                    self.transport.end()
+                break
+            if not self.transport.playing or ahead[0] > position + _EARLY_SECS:
+                break
+            self.drops += chosen is not None
+            chosen = self._take(ahead)
+        else:
+            self.transport.slip(self._last_secs)
+        return self._frame(chosen) if chosen else None
+
+    def _at(self, position: float) -> Frame | None:
+        """The frame at a position gone to: decoded from the key frame before it."""
+        self._go_before(position)
+        found = None
+        while (ahead := self._peek()) is not None:
+            found = self._take(ahead)
+            if self._last_secs >= position - self._frame_secs / 2:
+                break
+        return self._frame(found) if found else None
+
+    def _go_before(self, position: float) -> None:
+        try:
+            target = self._start + int(max(0.0, position) / float(self._tick))
+            self._container.seek(target, stream=self._stream)
+        except av.error.FFmpegError:  # a file that cannot be sought is decoded from its beginning instead
+            with suppress(av.error.FFmpegError):
+                self._container.close()
+            self._open()
+        self._pictures = decoded(self._container, self._stream)
+        self._next = None
+
+    def _peek(self) -> tuple[float, av.VideoFrame] | None:
+        """The next frame and its time from the beginning, still unread; None at the end."""
+        if self._next is None and (picture := next(self._pictures, None)) is not None:
+            pts = picture.pts
+            seconds = self._last_secs + self._frame_secs if pts is None else float((pts - self._start) * self._tick)
+            self._next = (seconds, picture)
+        return self._next
+
+    def _take(self, ahead: tuple[float, av.VideoFrame]) -> av.VideoFrame:
+        self._last_secs, self._next = ahead[0], None
+        return ahead[1]
+
+    def _frame(self, picture: av.VideoFrame) -> TimedFrame:
+        pts = picture.pts if picture.pts is not None else round(self._last_secs / self._tick)
+        return TimedFrame(upright_rgb(picture), pts, self._tick, delivered=self._clock())
+
+    def _until_next(self) -> float:
+        if not self.transport.playing:
+            return float("inf")
+        due = self._next[0] if self._next else self._last_secs + self._frame_secs
+        return max(0.0, due - self.transport.position)
