@@ -1,0 +1,1 @@
+"""What is drawn over and beside the avatar, one subject a file."""
