@@ -38,3 +38,35 @@ def test_synthetic_head_has_no_holes() -> None:
     alpha = image[..., 3]
     assert alpha[44:84, 50:78].min() > 0.9
     assert alpha[0].max() == 0
+
+
+def test_memory_is_read_as_compose_reads_it_right_after_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else one of the two finds in the caches what the other has just read."""
+    happened: list[str] = []
+
+    class Engine:
+        name = description = "noted"
+        timings: dict[str, float] = {}  # noqa: RUF012
+
+        def draw(self, *_: object) -> None:
+            happened.append("draw")
+
+    def read(*_: object) -> float:
+        happened.append("read")
+        return 0.5
+
+    gem = synthetic_gem(500, 2, np.random.default_rng(0))
+    compose = type(gem).compose
+
+    def noted(*words: object, **more: object) -> object:
+        happened.append("compose")
+        return compose(*words, **more)  # pyright: ignore[reportArgumentType]
+
+    monkeypatch.setattr(bench, "_read", read)
+    monkeypatch.setattr(type(gem), "compose", noted)
+    camera = portrait(gem.viewing, 32, 32)
+    (measured,) = bench._measure(gem, 2, camera, [Engine()])  # pyright: ignore[reportArgumentType]
+    assert measured.memory_read == 500
+    first = happened.index("draw") + 2  # behind the frame and the read that warm up
+    turns = happened[first:]
+    assert turns == ["compose", "draw", "read", "draw"] * bench.FRAMES
