@@ -2,17 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.driver.face import Box, FaceObservation, FaceTracker
+from ..models.driver.detector import Detection
+from ..models.driver.face import Box, FaceObservation
 from ..models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..models.driver.neutral import NeutralChoice
 from ..models.driver.smoothing import OneEuro, Smoothed, step
 from ..models.gem import Gem
-from .frames import Frame
-from .state import HOLD_SECS, Attention
+from .frames import Frame, is_cut, thumbnail
+from .state import HOLD_SECS, Attention, update
 
 Floats = NDArray[np.floating]
 Express = Callable[[Floats, Floats], Floats]
@@ -33,17 +35,42 @@ FACES_EVERY_SECS = 0.5
 """How often the faces in the picture are counted."""
 
 
+class Tracker(Protocol):
+    """What following needs of a ``FaceTracker``."""
+
+    def track(self, rgb: NDArray[np.uint8], locked: Box | None = None) -> FaceObservation | None:
+        """The followed face in [H, W, 3] of RGB bytes, None without one."""
+        ...
+
+    def detect(self, rgb: NDArray[np.uint8]) -> list[Detection]:
+        """All faces, the surest first."""
+        ...
+
+    def lock(self, face: Detection) -> None:
+        """Follow this one from the next image on."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the face."""
+        ...
+
+
 @dataclass(frozen=True)
 class Actor:
     """What drives: the same for every frame of a clip."""
 
-    tracker: FaceTracker
+    tracker: Tracker
     neutral: NeutralChoice
     express: Express
     gem: Gem
     lids: Floats
     """[coefficients] what closes the lids, for idle blinks."""
     head_pose: bool = True
+    expression_filter: OneEuro = EXPRESSION_FILTER
+    turn_filter: OneEuro = TURN_FILTER
+    gains: Floats | None = None
+    """[coefficients, coefficients] what becomes of coefficients away from rest, multiplied from the right."""
+    turn_gain: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -63,21 +90,52 @@ class Memory:
     faces: int = 0
     counted_at: float = -FACES_EVERY_SECS
     idle_since: float = 0.0
+    unusable: int = 0
+    """Expressions that were not finite, in the place of which the last good one stayed."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a frame shows."""
+
+    face: FaceObservation | None
+    """The followed face, where it is there."""
+    dt: float
+    """Seconds since the frame before."""
+    cut: bool
+    """Whether another scene begins here."""
+
+
+def look(tracker: Tracker, before: Memory, frame: Frame) -> tuple[Memory, Look]:
+    """Find the followed face, or notice that it is gone, or that the scene is another one."""
+    now, view = frame.seconds, thumbnail(frame.rgb)
+    dt = now - before.seconds if before.seconds is not None else 0.0
+    cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
+    if cut:
+        tracker.reset()
+        before = replace(before, box=None, expression=None, turn=None)
+    face = tracker.track(frame.rgb, locked_box(before, dt))
+    attention = update(before.attention, face is not None, dt)
+    return replace(before, attention=attention, seconds=now, thumbnail=view), Look(face, dt, cut)
 
 
 def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Memory:
     """The face's features, relative to the neutral, through the regressor and the filters."""
     relative = feature_vector(face) - actor.neutral.features
     turn = relative_rotation(head_rotation(face), actor.neutral.rotation)
-    coefficients = actor.express(relative, turn)
-    sigmas = (coefficients - actor.gem.rest_coefficients) / actor.gem.sigma
-    memory = replace(memory, box=face.box_px)
+    return take_on(actor, replace(memory, box=face.box_px), actor.express(relative, turn), turn, dt)
+
+
+def take_on(actor: Actor, memory: Memory, coefficients: Floats, turn: Floats, dt: float) -> Memory:
+    """Coefficients and the head's rotation from its neutral, through gains and filters; what is not finite is not."""
+    away = coefficients - actor.gem.rest_coefficients
+    sigmas = (away if actor.gains is None else away @ actor.gains) / actor.gem.sigma
     if not (np.isfinite(sigmas).all() and np.isfinite(turn).all()):
-        return memory  # the last good ones stay
+        return replace(memory, unusable=memory.unusable + 1)  # the last good ones stay
     return replace(
         memory,
-        expression=step(EXPRESSION_FILTER, memory.expression, sigmas, dt),
-        turn=step(TURN_FILTER, memory.turn, turn, dt),
+        expression=step(actor.expression_filter, memory.expression, sigmas, dt),
+        turn=step(actor.turn_filter, memory.turn, turn * actor.turn_gain, dt),
         clamped=float((np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma).mean()),
     )
 
@@ -88,11 +146,11 @@ def locked_box(memory: Memory, dt: float) -> Box | None:
     return memory.box if memory.attention.missing_secs + dt < HOLD_SECS else None
 
 
-def count_faces(actor: Actor, memory: Memory, frame: Frame) -> Memory:
+def count_faces(tracker: Tracker, memory: Memory, frame: Frame) -> Memory:
     """How many faces the picture shows, looked up now and then."""
     if frame.seconds < memory.counted_at + FACES_EVERY_SECS:
         return memory
-    return replace(memory, faces=max(1, len(actor.tracker.detect(frame.rgb))), counted_at=frame.seconds)
+    return replace(memory, faces=max(1, len(tracker.detect(frame.rgb))), counted_at=frame.seconds)
 
 
 def turned_gain(turn: Floats) -> float:

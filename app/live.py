@@ -15,11 +15,11 @@ from ..render.compositing import over, to_rgba8
 from ..render.engines import Engine
 from ..render.gaussians import RawGaussians
 from . import idle
-from .following import Actor, Memory, count_faces, follow, locked_box, turned_gain
-from .frames import Frame, is_cut, thumbnail
+from .following import Actor, Memory, count_faces, follow, look, turned_gain
+from .frames import Frame
 from .performance import Pose
 from .sinks import Sink
-from .state import Phase, update
+from .state import Phase
 from .threads import Behind, ahead
 from .timing import Stopwatch
 
@@ -53,21 +53,20 @@ class Stage:
 
 def drive(actor: Actor, before: Memory, frame: Frame) -> tuple[Memory, Pose]:
     """One frame: image -> face -> features - neutral -> coefficients; smoothed, held, eased to rest, or idle."""
-    now, view = frame.seconds, thumbnail(frame.rgb)
-    dt = now - before.seconds if before.seconds is not None else 0.0
-    cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
-    if cut:
-        actor.tracker.reset()
-        before = replace(before, box=None, expression=None, turn=None)
+    memory, seen = look(actor.tracker, before, frame)
+    if seen.face is not None:
+        memory = count_faces(actor.tracker, follow(actor, memory, seen.face, seen.dt), frame)
+    return act(actor, memory, seen.face is not None, seen.cut)
 
-    face = actor.tracker.track(frame.rgb, locked_box(before, dt))
-    attention = update(before.attention, face is not None, dt)
-    memory = replace(before, attention=attention, seconds=now, thumbnail=view)
-    if face is not None:
-        memory = count_faces(actor, follow(actor, memory, face, dt), frame)
+
+def act(actor: Actor, memory: Memory, seen: bool, cut: bool = False) -> tuple[Memory, Pose]:
+    """What the avatar does at the time of ``memory``: the driver's expression as far as it is followed, idle beside it.
+
+    ``seen``: whether the driver's face is there right now.
+    """
+    attention, now = memory.attention, memory.seconds or 0.0
     if attention.phase in (Phase.TRACKING, Phase.HOLD):
         memory = replace(memory, idle_since=now)
-
     gain, rest, idle_secs = attention.gain, 1 - attention.gain, now - memory.idle_since
     expression = rest * idle.lids_closed(idle_secs) * actor.lids
     turn = rest * idle.breath(idle_secs)
@@ -78,8 +77,8 @@ def drive(actor: Actor, before: Memory, frame: Frame) -> tuple[Memory, Pose]:
         coefficients=(actor.gem.rest_coefficients + expression).astype(np.float32),
         turn=turn.astype(np.float32) if actor.head_pose else NO_SHIFT,
         phase=attention.phase,
-        faces=memory.faces if face is not None else 0,
-        clamped=memory.clamped if face is not None else 0.0,
+        faces=memory.faces if seen else 0,
+        clamped=memory.clamped if seen else 0.0,
         cut=cut,
     )
 
