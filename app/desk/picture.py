@@ -1,0 +1,101 @@
+"""A picture on the screen: as large as it fits, its sides never distorted, mirrored when wished."""
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+_VERTEX = """#version 330 core
+uniform vec4 place;   // left, bottom, width, height in clip space
+uniform float mirrored;
+out vec2 at;
+void main() {
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+    at = vec2(mix(corner.x, 1.0 - corner.x, mirrored), 1.0 - corner.y);
+    gl_Position = vec4(place.xy + corner * place.zw, 0.0, 1.0);
+}
+"""
+_FRAGMENT = """#version 330 core
+uniform sampler2D picture;
+uniform vec2 corner_px;
+uniform float square_px;
+in vec2 at;
+out vec4 colour;
+void main() {
+    // a chequerboard shows through what is transparent
+    vec2 square = floor((gl_FragCoord.xy - corner_px) / square_px);
+    vec3 ground = mix(vec3(0.29), vec3(0.36), mod(square.x + square.y, 2.0));
+    vec4 over = texture(picture, at);
+    colour = vec4(mix(ground, over.rgb, over.a), 1.0);
+}
+"""
+SQUARE_PX = 12.0
+
+
+@dataclass(frozen=True)
+class Area:
+    """A rectangle of the framebuffer in pixels, from its top left corner."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+    def fitted(self, width: int, height: int) -> "Area":
+        """The largest rectangle of these proportions in the middle of this one."""
+        scale = min(self.width / width, self.height / height)
+        inner = (width * scale, height * scale)
+        return Area(self.left + (self.width - inner[0]) / 2, self.top + (self.height - inner[1]) / 2, *inner)
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point is in it."""
+        return self.left <= x < self.left + self.width and self.top <= y < self.top + self.height
+
+
+class PictureOnScreen:
+    """One texture and the quad it is drawn on, in the window's context."""
+
+    def __init__(self, context: moderngl.Context) -> None:
+        self._context = context
+        self._program = context.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
+        self._quad = context.vertex_array(self._program, [])
+        self._texture: moderngl.Texture | None = None
+
+    def put(self, picture: NDArray[np.uint8]) -> None:
+        """Upload a picture [H, W, 3], or [H, W, 4] with straight alpha."""
+        height, width, channels = picture.shape
+        texture = self._texture
+        if texture is None or (*texture.size, texture.components) != (width, height, channels):
+            if texture is not None:
+                texture.release()
+            texture = self._texture = self._context.texture((width, height), channels, alignment=1)
+            texture.repeat_x = texture.repeat_y = False
+        texture.write(np.ascontiguousarray(picture))
+
+    def draw(self, place: Area, screen: tuple[int, int], mirrored: bool) -> None:
+        """Draw what was put last into a part of the bound framebuffer of ``screen`` pixels; nothing before that."""
+        if self._texture is None:
+            return
+        self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self._context.viewport = (0, 0, *screen)
+        width, height = screen
+        bottom = height - place.top - place.height
+        self._program["place"].value = (
+            2 * place.left / width - 1,
+            2 * bottom / height - 1,
+            2 * place.width / width,
+            2 * place.height / height,
+        )
+        self._program["mirrored"].value = float(mirrored)
+        self._program["corner_px"].value = (place.left, bottom)
+        self._program["square_px"].value = SQUARE_PX
+        self._texture.use(0)
+        self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def close(self) -> None:
+        """Release what it holds on the GPU."""
+        for resource in (self._texture, self._quad, self._program):
+            if resource is not None:
+                resource.release()
+        self._texture = None

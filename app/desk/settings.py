@@ -1,0 +1,142 @@
+"""What the window remembers from one run to the next: a TOML file that a person may edit, or delete."""
+
+import json
+import os
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from ...models.wholefile import open_ordinary, write_whole
+from .actions import BY_NAME, Order
+from .state import DeskState, update
+
+MAX_BYTES = 64 * 1024
+WINDOW = (1280, 800)
+"""Width and height of the first run's window, in screen units."""
+SMALLEST, LARGEST = 320, 16384
+REMEMBERED = (
+    "mirror",
+    "figures",
+    "ladder",
+    "head_pose",
+    "smoothing",
+    "neutral_strength",
+    "gain_mouth",
+    "gain_eyes",
+    "gain_brows",
+    "gain_head",
+    "background",
+    "exposure",
+    "warmth",
+    "ui_scale",
+)
+"""Fields of DeskState. Outputs are not among them: none goes on by itself."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is remembered."""
+
+    wishes: Mapping[str, float | str | bool] = field(default_factory=dict)
+    """Some of REMEMBERED, each with its value."""
+    avatar: str = ""
+    """Name or path; empty for the first shipped one."""
+    camera: str = ""
+    """The camera's name; it is only ever opened when asked for."""
+    window: tuple[int, int] = WINDOW
+    keys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Action -> the keys a person gave it."""
+
+
+def settings_file() -> Path:
+    """Where they are; it need not exist."""
+    import platformdirs
+
+    return Path(platformdirs.user_config_dir("gemheads", appauthor=False)) / "live.toml"
+
+
+def load_settings(path: Path) -> tuple[Settings, str]:
+    """What is remembered, and one sentence when the file could not be used: then it is put aside, and defaults hold."""
+    if not path.exists():
+        return Settings(), ""
+    try:
+        with open_ordinary(path) as (file, size):
+            if size > MAX_BYTES:
+                raise ValueError(f"{size} bytes are more than settings take")
+            return _checked(tomllib.loads(file.read(MAX_BYTES).decode())), ""
+    except (OSError, ValueError, RecursionError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
+        return Settings(), f"The settings could not be read ({error}); {_put_aside(path)}, and this run starts afresh."
+
+
+def save_settings(settings: Settings, path: Path) -> str:
+    """Write them whole; one sentence when that fails, else an empty one."""
+    window = {"width": settings.window[0], "height": settings.window[1]}
+    sections = {
+        "desk": {**settings.wishes, "avatar": settings.avatar, "camera": settings.camera},
+        "window": window,
+        "keys": {name: list(keys) for name, keys in settings.keys.items()},
+    }
+    lines = ["# What `gemheads live` remembers. Delete this file to start afresh."]
+    for section, values in sections.items():
+        lines += ["", f"[{section}]", *(f"{name} = {_toml(value)}" for name, value in sorted(values.items()))]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, ["\n".join([*lines, ""]).encode()])
+    except OSError as error:
+        return f"The settings could not be kept: {path}: {error.strerror or error}."
+    return ""
+
+
+def recalled(state: DeskState, settings: Settings) -> DeskState:
+    """The state with what is remembered; every value goes through the same door as an order."""
+    for name, value in settings.wishes.items():
+        state = update(state, Order(name, float(value) if isinstance(value, bool) else value))
+    return state
+
+
+def remembered(state: DeskState, settings: Settings) -> Settings:
+    """The settings with what the state says."""
+    return replace(settings, wishes={name: getattr(state, name) for name in REMEMBERED})
+
+
+def _checked(read: Mapping[str, object]) -> Settings:
+    desk, window, keys = (_table(read, name) for name in ("desk", "window", "keys"))
+    wishes: dict[str, float | str | bool] = {}
+    for name in REMEMBERED:
+        value, default = desk.get(name), getattr(DeskState(), name)
+        if isinstance(value, str if isinstance(default, str) else int | float):
+            wishes[name] = value  # pyright: ignore[reportArgumentType]
+    size = [window.get("width"), window.get("height")]
+    fits = all(isinstance(side, int) and SMALLEST <= side <= LARGEST for side in size)
+    own = {
+        name: tuple(key for key in theirs if isinstance(key, str))
+        for name, theirs in keys.items()
+        if name in BY_NAME and isinstance(theirs, list)
+    }
+    avatar, camera = (value if isinstance(value := desk.get(name, ""), str) else "" for name in ("avatar", "camera"))
+    return Settings(wishes, avatar, camera, (size[0], size[1]) if fits else WINDOW, own)  # pyright: ignore
+
+
+def _table(read: Mapping[str, object], name: str) -> Mapping[str, object]:
+    value = read.get(name, {})
+    if not isinstance(value, dict):
+        raise ValueError(f"{name} is no table")
+    return value
+
+
+def _put_aside(path: Path) -> str:
+    aside = path.with_name(path.name + ".broken")
+    try:
+        os.replace(path, aside)
+    except OSError:
+        return f"{path} stays as it is"
+    return f"they are kept as {aside}"
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    if isinstance(value, str):
+        return json.dumps(value)  # a JSON string is a TOML basic string
+    return str(value).lower() if isinstance(value, bool) else repr(value)

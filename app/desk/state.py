@@ -1,0 +1,260 @@
+"""What the window shows and how, as one value; ``update`` is the only way it changes. Pure."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+
+from ...models.gem import CLAMP_SIGMAS, MODALITIES
+from .actions import BY_NAME, Order
+
+BACKGROUNDS = ("studio", "grey", "white", "black", "green", "blue", "transparent")
+LEAST_COMPONENTS = 1
+ZOOMS = (0.5, 4.0)
+UI_SCALES = (0.75, 2.5)
+EXPOSURES = (-2.0, 2.0)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the avatar on stage allows."""
+
+    components: int = 50
+    """K, as stored."""
+    yaw_deg: float = 45.0
+    pitch_deg: float = 25.0
+
+
+@dataclass(frozen=True)
+class Exploring:
+    """The explorer of components."""
+
+    on: bool = False
+    modality: str = "position"
+    component: int = 0
+    """From 0."""
+    sigmas: tuple[tuple[str, int, float], ...] = ()
+    """(modality, component, value in sigma) of every slider that is not at 0."""
+    sweep: bool = False
+
+    def value(self, modality: str, component: int) -> float:
+        """Where a slider stands, in sigma."""
+        return next((value for *place, value in self.sigmas if place == [modality, component]), 0.0)
+
+
+@dataclass(frozen=True)
+class DeskState:
+    """Everything a person set; what happens by itself (loading, tracking, figures) is elsewhere."""
+
+    limits: Limits = field(default_factory=Limits)
+    panels: bool = True
+    help: bool = False
+    menu: bool = False
+    prompt: bool = False
+    """Whether the path of a file is being typed."""
+    welcome: bool = True
+    """The card of the first run."""
+    figures: bool = True
+    walk: bool = False
+    full_screen: bool = False
+    ui_scale: float = 1.0
+    curtain: bool = False
+    frozen: bool = False
+    mirror: bool = True
+    components: int | None = None
+    """None shows all."""
+    off: frozenset[str] = frozenset()
+    """Modalities that stay at rest."""
+    compare: bool = False
+    error_map: bool = False
+    split: float = 0.5
+    curve: bool = False
+    exploring: Exploring = field(default_factory=Exploring)
+    loop: bool = True
+    head_pose: bool = True
+    neutral_strength: float = 1.0
+    smoothing: float = 0.5
+    gain_mouth: float = 1.0
+    gain_eyes: float = 1.0
+    gain_brows: float = 1.0
+    gain_head: float = 1.0
+    yaw: float = 0.0
+    """Degrees; the camera goes to the avatar's left where positive."""
+    pitch: float = 0.0
+    at_limit: bool = False
+    """Whether the last turn of the camera wanted to go beyond where the avatar was made to be seen from."""
+    zoom: float = 1.0
+    background: str = "studio"
+    exposure: float = 0.0
+    """Stops."""
+    warmth: float = 0.0
+    """-1 cold to 1 warm."""
+    record: bool = False
+    virtual_camera: bool = False
+    clean_window: bool = False
+    coefficients: bool = False
+    ladder: bool = True
+    resting: bool = False
+    """Whether the neutral is being taken."""
+    quitting: bool = False
+
+    @property
+    def used_components(self) -> int:
+        """How many components a modality are shown."""
+        return self.limits.components if self.components is None else min(self.components, self.limits.components)
+
+
+SWITCHES = frozenset(
+    "compare error_map curve loop head_pose mirror curtain record virtual_camera clean_window coefficients panels"
+    " figures ladder walk menu full_screen help".split()
+)
+RANGES: dict[str, tuple[float, float]] = {
+    "split": (0.0, 1.0),
+    "neutral_strength": (0.0, 1.0),
+    "smoothing": (0.0, 1.0),
+    "gain_mouth": (0.0, 2.0),
+    "gain_eyes": (0.0, 2.0),
+    "gain_brows": (0.0, 2.0),
+    "gain_head": (0.0, 2.0),
+    "zoom": ZOOMS,
+    "exposure": EXPOSURES,
+    "warmth": (-1.0, 1.0),
+    "ui_scale": UI_SCALES,
+}
+"""Numbers that stay between two others."""
+
+
+def update(state: DeskState, order: Order) -> DeskState:
+    """The state after an order. What the order's value makes no sense of leaves the state as it was."""
+    name, value = order.name, order.value
+    if name not in BY_NAME or (isinstance(value, float | int) and not abs(value) < float("inf")):
+        return state
+    if name in SWITCHES:
+        return replace(state, **{name: _switched(getattr(state, name), value)})
+    if name in RANGES:
+        return replace(state, **{name: _dialled(order, getattr(state, name), *RANGES[name])})
+    if name in MODALITIES:
+        on = _switched(name not in state.off, value)
+        return replace(state, off=state.off - {name} if on else state.off | {name})
+    return _RULES.get(name, _unchanged)(state, order)
+
+
+def restaged(state: DeskState, limits: Limits) -> DeskState:
+    """The state when another avatar comes on stage: what the old one alone allowed is drawn in."""
+    components = state.components if state.components is None else min(state.components, limits.components)
+    kept = replace(
+        state, limits=limits, components=components, exploring=replace(state.exploring, sigmas=(), component=0)
+    )
+    return _turned(_turned(kept, "yaw", kept.yaw), "pitch", kept.pitch)
+
+
+def _unchanged(state: DeskState, order: Order) -> DeskState:
+    return state
+
+
+def _switched(before: bool, value: float | str | None) -> bool:
+    return not before if value is None or isinstance(value, str) else bool(value)
+
+
+def _dialled(order: Order, before: float, low: float, high: float) -> float:
+    if not isinstance(order.value, float | int):
+        return before
+    wanted = before + order.value if order.relative else order.value
+    return round(min(high, max(low, float(wanted))), 4)
+
+
+def _turned(state: DeskState, axis: str, wanted: float) -> DeskState:
+    limit = getattr(state.limits, f"{axis}_deg")
+    kept = min(limit, max(-limit, wanted))
+    return replace(state, **{axis: round(kept, 4)}, at_limit=kept != wanted)
+
+
+def _orbit(state: DeskState, order: Order) -> DeskState:
+    if not isinstance(order.value, float | int):
+        return state
+    before = getattr(state, order.name) if order.relative else 0.0
+    return _turned(state, order.name, before + order.value)
+
+
+def _components(state: DeskState, order: Order) -> DeskState:
+    if not isinstance(order.value, float | int):
+        return state
+    stored, used = state.limits.components, state.used_components
+    wanted = round(used + order.value if order.relative else order.value)
+    if order.relative and used == LEAST_COMPONENTS and wanted > used:
+        wanted -= LEAST_COMPONENTS  # back onto the multiples of the step
+    kept = min(stored, max(LEAST_COMPONENTS, wanted))
+    return replace(state, components=None if kept == stored else kept)
+
+
+def _background(state: DeskState, order: Order) -> DeskState:
+    if isinstance(order.value, str) and order.value:
+        known = order.value.strip().lower()
+        return replace(state, background=known) if known in BACKGROUNDS or _is_colour(known) else state
+    index = BACKGROUNDS.index(state.background) if state.background in BACKGROUNDS else -1
+    return replace(state, background=BACKGROUNDS[(index + 1) % len(BACKGROUNDS)])
+
+
+def _is_colour(text: str) -> bool:
+    return len(text) == 7 and text[0] == "#" and all(digit in "0123456789abcdef" for digit in text[1:])
+
+
+def _explore(state: DeskState, order: Order) -> DeskState:
+    return replace(state, exploring=replace(state.exploring, on=_switched(state.exploring.on, order.value)))
+
+
+def _sweep(state: DeskState, order: Order) -> DeskState:
+    on = _switched(state.exploring.sweep, order.value)
+    return replace(state, exploring=replace(state.exploring, on=on or state.exploring.on, sweep=on))
+
+
+def _explored_modality(state: DeskState, order: Order) -> DeskState:
+    before = state.exploring.modality
+    after = MODALITIES[(MODALITIES.index(before) + 1) % len(MODALITIES)] if order.value is None else order.value
+    return state if after not in MODALITIES else replace(state, exploring=replace(state.exploring, modality=after))
+
+
+def _explored_component(state: DeskState, order: Order) -> DeskState:
+    component = round(_dialled(order, state.exploring.component, 0, state.limits.components - 1))
+    return replace(state, exploring=replace(state.exploring, component=component))
+
+
+def _sigma(state: DeskState, order: Order) -> DeskState:
+    exploring = state.exploring
+    place = (exploring.modality, exploring.component)
+    value = _dialled(order, exploring.value(*place), -CLAMP_SIGMAS, CLAMP_SIGMAS)
+    others = tuple(slider for slider in exploring.sigmas if slider[:2] != place)
+    sigmas = others if value == 0 else (*others, (*place, value))
+    return replace(state, exploring=replace(exploring, on=True, sigmas=sigmas))
+
+
+def _leave(state: DeskState, order: Order) -> DeskState:
+    """Esc: the topmost mode goes, one at a time."""
+    for mode in ("prompt", "menu", "help", "walk", "resting", "curve", "compare", "full_screen"):
+        if getattr(state, mode):
+            return replace(state, **{mode: False})
+    if state.exploring.on:
+        return replace(state, exploring=replace(state.exploring, on=False, sweep=False))
+    return replace(state, welcome=False)
+
+
+_RULES: dict[str, Callable[[DeskState, Order], DeskState]] = {
+    "components": _components,
+    "yaw": _orbit,
+    "pitch": _orbit,
+    "background": _background,
+    "explore": _explore,
+    "sweep": _sweep,
+    "explored_modality": _explored_modality,
+    "explored_component": _explored_component,
+    "sigma": _sigma,
+    "unexplore": lambda state, _: replace(state, exploring=replace(state.exploring, sigmas=(), sweep=False)),
+    "frame": lambda state, _: replace(state, zoom=1.0),
+    "reset_view": lambda state, _: replace(state, zoom=1.0, yaw=0.0, pitch=0.0, at_limit=False),
+    "play": lambda state, order: replace(state, frozen=not _switched(not state.frozen, order.value)),
+    "neutral": lambda state, _: replace(state, resting=not state.resting),
+    "open": lambda state, order: replace(state, prompt=not order.value, welcome=state.welcome and not order.value),
+    "camera": lambda state, _: replace(state, welcome=False),
+    "demo": lambda state, _: replace(state, welcome=False),
+    "leave": _leave,
+    "quit": lambda state, _: replace(state, quitting=True),
+}
