@@ -2,7 +2,7 @@
 
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
@@ -25,6 +25,18 @@ _OPTIONS = {
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8", "crf": "24", "b": "0", "row-mt": "1"},
     "prores_ks": {"profile": "4444"},
 }
+
+
+class Sound(Protocol):
+    """What sounds beside the pictures of a video; its track is in the container before the first picture."""
+
+    def copy_until(self, seconds: float) -> None:
+        """Write what sounds before this time."""
+        ...
+
+    def close(self, whole: bool) -> None:
+        """Write the rest when ``whole``, and the end of the track."""
+        ...
 
 
 class Sink(Protocol):
@@ -61,9 +73,10 @@ class VideoSink:
         time_base: Fraction,
         rate: Fraction,
         transparent: bool,
-        audio: Path | None,
+        audio: Path | Callable[[Any], Sound] | None,
     ) -> None:
-        """``audio`` names a file whose first sound track is copied beside the pictures. Raises OutputError."""
+        """``audio`` names a file whose first sound track is copied beside the pictures, or adds a track of its own to
+        the opened container. Raises OutputError."""
         self.path, self.partial = path, partial_name(path)
         codec, pixels = video_codec(path.suffix.lower(), transparent)
         with _told(self.partial, 0):
@@ -77,7 +90,9 @@ class VideoSink:
         stream.codec_context.gop_size = max(1, round(rate))  # one fragment a second
         stream.codec_context.thread_count = min(4, os.cpu_count() or 1)
         self._stream, self._time_base, self._count = stream, time_base, 0
-        self._audio = AudioCopy(audio, self._container) if audio else None
+        self._audio: Sound | None = None
+        if audio is not None:
+            self._audio = AudioCopy(audio, self._container) if isinstance(audio, Path) else audio(self._container)
 
     def has(self, index: int) -> bool:
         """Always False: a stream of frames is written from its beginning."""

@@ -1,0 +1,1 @@
+"""Where the avatar goes besides the window: files, a virtual camera, the network of this machine."""

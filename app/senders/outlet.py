@@ -1,0 +1,47 @@
+"""What every output is: something that takes pictures, in a thread of its own, and may take its time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..performance import Pose
+
+Image = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One picture as the window shows it, before any panel was drawn on it."""
+
+    picture: Image
+    """[H, W, 3] RGB or [H, W, 4] with straight alpha; nobody may write to it: all outputs share it."""
+    shown_at: float
+    """Seconds of ``time.perf_counter``."""
+    pose: Pose | None = None
+    """What the avatar does in it."""
+    avatar: str = ""
+    """SHA-256 of the avatar's file."""
+
+
+class Outlet(Protocol):
+    """An opened output; used by one thread."""
+
+    @property
+    def status(self) -> str:
+        """How far it is, one short line for the person; read from other threads."""
+        ...
+
+    def send(self, shown: Shown) -> None:
+        """Take one picture. Raises OutputError, which ends the output."""
+        ...
+
+    def close(self) -> None:
+        """Finish and let go; called once, after a failure too. Raises OutputError."""
+        ...
+
+
+Opener = Callable[[], Outlet]
+"""Opens an output, in its thread. Raises OutputError or UsageError."""

@@ -1,0 +1,68 @@
+"""One picture as a PNG, alpha kept: it appears whole or not at all, and never takes the place of another."""
+
+import os
+from pathlib import Path
+
+import cv2
+
+from ..errors import OutputError
+from .outlet import Image, Shown
+
+STEM = "gemheads"
+
+
+class Snapshot:
+    """An outlet that saves each picture it gets under the next free number."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises OutputError when the folder cannot be made."""
+        self._folder = folder
+        self.status = "waiting for a picture"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
+
+    def send(self, shown: Shown) -> None:
+        """Write a picture."""
+        self.status = f"saved {save_picture(shown.picture, self._folder)}"
+
+    def close(self) -> None:
+        """Nothing is left open."""
+
+
+def save_picture(picture: Image, folder: Path) -> Path:
+    """Writes a picture [H, W, 3] or [H, W, 4] with straight alpha into ``folder`` and gives its name.
+
+    Raises OutputError; then nothing is left behind.
+    """
+    order = cv2.COLOR_RGBA2BGRA if picture.shape[2] == 4 else cv2.COLOR_RGB2BGR
+    _, data = cv2.imencode(".png", cv2.cvtColor(picture, order))
+    aside = folder / f".{STEM}.{os.getpid()}.partial"
+    try:
+        try:
+            aside.write_bytes(data.tobytes())
+            return _named(aside, folder)
+        finally:
+            aside.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"{folder}: the picture cannot be saved ({error.strerror}); free some space, or choose another folder"
+        ) from error
+
+
+def _named(aside: Path, folder: Path) -> Path:
+    """Gives a finished file the first free number: of two programs at once, each gets its own."""
+    taken = [int(digits) for file in folder.glob(f"{STEM}-*.png") if (digits := file.stem[len(STEM) + 1 :]).isdecimal()]
+    number = max(taken, default=0)
+    while True:
+        number += 1
+        path = folder / f"{STEM}-{number:04d}.png"
+        try:
+            os.link(aside, path)
+            return path
+        except FileExistsError:
+            continue
+        except OSError:  # a file system without links, as on memory sticks
+            if not path.exists():
+                return aside.replace(path)
