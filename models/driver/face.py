@@ -1,6 +1,7 @@
 """Following one face: detect it when lost, else look where it was; landmarks, scores, head pose, metric mesh."""
 
 from dataclasses import dataclass
+from math import cos, exp, sin
 from pathlib import Path
 
 import cv2
@@ -57,8 +58,8 @@ class FaceObservation:
     @property
     def box_px(self) -> Box:
         """What the landmarks fill."""
-        (left, top), (right, bottom) = self.landmarks_px[:, :2].min(0), self.landmarks_px[:, :2].max(0)
-        return float(left), float(top), float(right), float(bottom)
+        x, y = self.landmarks_px[:, 0], self.landmarks_px[:, 1]
+        return float(x.min()), float(y.min()), float(x.max()), float(y.max())
 
 
 class FaceTracker:
@@ -128,7 +129,7 @@ class FaceTracker:
             return None
         crop = region.crop(rgb, _CROP)
         raw, presence_logit, embedding = self._landmarks((crop.astype(np.float32) * np.float32(1 / 255))[None])
-        presence = 1 / (1 + float(np.exp(-np.clip(presence_logit.item(), -80, 80))))
+        presence = 1 / (1 + exp(-min(max(presence_logit.item(), -80.0), 80.0)))
         points = raw.reshape(-1, 3).astype(np.float64)
         if presence < _LEAST_PRESENCE or not np.isfinite(points).all():
             return None
@@ -161,15 +162,14 @@ def _is_another(face: FaceObservation, locked: Box | None) -> bool:
 def _upright(points: NDArray[np.float64]) -> NDArray[np.float32]:
     """[146, 2] the score network's landmarks, the eye line level: its scores move with roll 2.4 times less that way."""
     tilt = eye_line_tilt(points)
-    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
+    turn = np.array([[cos(tilt), -sin(tilt)], [sin(tilt), cos(tilt)]])
     centre = _CROP / 2
     return ((points[_NET_INPUT, :2] - centre) @ turn + centre).astype(np.float32)
 
 
 def _sharpness(crop: NDArray[np.uint8]) -> float:
-    grey = cv2.cvtColor(crop, cv2.COLOR_RGB2GRAY)
-    middle = grey[_CROP // 6 : -_CROP // 6, _CROP // 6 : -_CROP // 6]  # the face without its surroundings
-    laplacian = cv2.Laplacian(middle, cv2.CV_16S)
+    middle = crop[_CROP // 6 : -_CROP // 6, _CROP // 6 : -_CROP // 6]  # the face without its surroundings
+    laplacian = cv2.Laplacian(cv2.cvtColor(middle, cv2.COLOR_RGB2GRAY), cv2.CV_16S)
     return float(cv2.norm(laplacian, cv2.NORM_L2SQR)) / laplacian.size / 255**2
 
 

@@ -5,6 +5,7 @@ depth where the canonical face has its own size, and the similarity that fits th
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,41 @@ rendered heads turned by known angles the pitch that is found grows from .76 to 
 half as much with the pose.
 """
 _NEAR_CM = 1.0
-_TOWARDS_VIEWER = np.array([1.0, 1.0, -1.0])
-"""Landmark depth grows away from the camera, the metric frame looks along -z."""
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """Points that are laid on others again and again: what of weighted Procrustes does not depend on the others.
+
+    Akca, "Generalized Procrustes analysis" (2003), section 2.2.
+    """
+
+    centre: Floats
+    """[3] weighted mean of the points."""
+    shares: Floats
+    """[n] weights, sum 1."""
+    weighted: Floats
+    """[n, 3] the points from their centre, times their shares: its columns sum to 0."""
+    spread: float
+    """Weighted mean of the squared distances from the centre."""
+
+    def similarity(self, target: Floats) -> tuple[float, Floats, Floats]:
+        """Scale, rotation [3, 3] and translation [3] that bring the points nearest to ``target`` [n, 3]."""
+        covariance = target.T @ self.weighted
+        u, _, vt = np.linalg.svd(covariance)
+        if np.linalg.det(u @ vt) < 0:
+            u[:, 2] = -u[:, 2]  # a mirror image is no rotation
+        rotation = u @ vt
+        scale = float((rotation * covariance).sum()) / self.spread
+        return scale, rotation, self.shares @ target - scale * rotation @ self.centre
+
+
+def anchor(points: Floats, weights: Floats) -> Anchor:
+    """The anchor of ``points`` [n, 3] with ``weights`` [n] >= 0."""
+    shares = weights / weights.sum()
+    centre = shares @ points
+    centred = points - centre
+    return Anchor(centre, shares, centred * shares[:, None], float(shares @ (centred**2).sum(1)))
 
 
 @dataclass(frozen=True)
@@ -37,6 +71,11 @@ class FaceGeometry:
     """[468] >= 0, zero for all but the 33 points that Procrustes looks at."""
     basis: NDArray[np.intp]
     """[33] which those are."""
+
+    @cached_property
+    def anchor(self) -> Anchor:
+        """Those 33 points."""
+        return anchor(self.vertices[self.basis], self.weights[self.basis])
 
 
 def read_geometry(content: bytes) -> FaceGeometry:
@@ -58,23 +97,6 @@ def read_geometry(content: bytes) -> FaceGeometry:
     return FaceGeometry(flat.reshape(VERTICES, 5)[:, :3].astype(np.float64), weights, np.flatnonzero(weights))
 
 
-def weighted_similarity(source: Floats, target: Floats, weights: Floats) -> Floats:
-    """The similarity [4, 4] (rotation, one scale, translation) from ``source`` [n, 3] to ``target`` [n, 3].
-
-    It is nearest in the sense of weighted least squares: Akca, "Generalized Procrustes analysis" (2003), section 2.2.
-    """
-    share = (weights / weights.sum())[:, None]
-    source_centre, target_centre = (source * share).sum(0), (target * share).sum(0)
-    centred = source - source_centre
-    u, _, vt = np.linalg.svd(((target - target_centre) * share).T @ centred)
-    rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
-    scale = ((centred @ rotation.T) * (target - target_centre) * share).sum() / (centred**2 * share).sum()
-    similarity = np.eye(4)
-    similarity[:3, :3] = scale * rotation
-    similarity[:3, 3] = target_centre - scale * rotation @ source_centre
-    return similarity
-
-
 def metric_pose(landmarks_px: Floats, width: int, height: int, geometry: FaceGeometry) -> tuple[Floats, Floats]:
     """Head pose and pose-normalised landmarks.
 
@@ -92,21 +114,19 @@ def metric_pose(landmarks_px: Floats, width: int, height: int, geometry: FaceGeo
     screen = landmarks_px * cm_per_px
     screen[:, 0] -= width * cm_per_px / 2
     screen[:, 1] = view_height / 2 - screen[:, 1]
-    middle_depth = screen[:VERTICES, 2].mean()
+    depth = screen[:, 2]
+    depth += _NEAR_CM - depth[:VERTICES].mean()
 
-    def unprojected(scale: float) -> Floats:
-        points = screen.copy()
-        points[:, 2] = (points[:, 2] - middle_depth + _NEAR_CM) / scale
-        points[:, :2] *= points[:, 2:] / _NEAR_CM
-        return points * _TOWARDS_VIEWER
+    def unprojected(points: Floats, scale: float) -> Floats:
+        metric = points * (points[:, 2:] / (_NEAR_CM * scale))
+        metric[:, 2] = points[:, 2] / -scale  # landmark depth grows away, the metric frame looks along -z
+        return metric
 
-    def fitted(points: Floats) -> Floats:
-        basis = geometry.basis
-        return weighted_similarity(geometry.vertices[basis], points[basis], geometry.weights[basis])
-
-    first = np.linalg.norm(fitted(screen * _TOWARDS_VIEWER)[:3, 0])
-    second = np.linalg.norm(fitted(unprojected(float(first)))[:3, 0])
-    points = unprojected(float(first * second))
-    pose = fitted(points)
-    normalised = np.linalg.solve(pose, np.c_[points, np.ones(len(points))].T).T[:, :3]
-    return pose, normalised
+    fitted, basis = geometry.anchor.similarity, screen[geometry.basis]
+    first = fitted(basis * [1.0, 1.0, -1.0])[0]
+    second = fitted(unprojected(basis, first))[0]
+    points = unprojected(screen, first * second)
+    scale, rotation, translation = fitted(points[geometry.basis])
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = scale * rotation, translation
+    return pose, (points - translation) @ (rotation / scale)

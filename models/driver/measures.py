@@ -1,5 +1,7 @@
 """Distances on the metric mesh that say directly what a part of the face does, in centimetres."""
 
+from math import dist, hypot
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,9 +28,9 @@ MEASURES = (
     "brow_distance",
 )
 """Order of the vector that ``measure`` gives."""
-_LIDS = np.array([[159, 145], [158, 153], [160, 144], [386, 374], [385, 380], [387, 373]])
+_LIDS = ((159, 145), (158, 153), (160, 144), (386, 374), (385, 380), (387, 373))
 """Upper and lower lid, three pairs of the right eye, then of the left."""
-_BROWS = np.array([[55, 107], [285, 336], [52, 105], [282, 334], [46, 70], [276, 300]])
+_BROWS = ((55, 107), (285, 336), (52, 105), (282, 334), (46, 70), (276, 300))
 """Lower and upper edge: inner right and left, middle right and left, outer right and left."""
 _UPPER_LIP, _LOWER_LIP, _LIP_TOP, _LIP_BOTTOM = 13, 14, 0, 17
 _RIGHT_CORNER, _LEFT_CORNER = 61, 291
@@ -41,27 +43,27 @@ def measure(metric_mesh: NDArray[np.float64]) -> NDArray[np.float64]:
     Heights of brows are above the line through the eye corners of their side; heights of mouth corners above the base
     of the nose; sides grow to the person's left.
     """
-    mesh = metric_mesh
-    lips, corners = mesh[[_UPPER_LIP, _LOWER_LIP]], mesh[[_RIGHT_CORNER, _LEFT_CORNER]]
-    eyes = (
-        (mesh[RIGHT_EYE_OUTER, 1] + mesh[RIGHT_EYE_INNER, 1]) / 2,
-        (mesh[LEFT_EYE_INNER, 1] + mesh[LEFT_EYE_OUTER, 1]) / 2,
-    )
-    lids = np.linalg.norm(mesh[_LIDS[:, 0], 1:] - mesh[_LIDS[:, 1], 1:], axis=1).reshape(2, 3).mean(1)
-    brows = mesh[_BROWS, 1].mean(1) - np.tile(eyes, 3)
+    x, y, z = metric_mesh.T
+    right_eye = (y[RIGHT_EYE_OUTER] + y[RIGHT_EYE_INNER]) / 2
+    left_eye = (y[LEFT_EYE_INNER] + y[LEFT_EYE_OUTER]) / 2
+    # one at a time, Python's floats are quicker than arrays of two or three
+    lids = [hypot(y[upper] - y[lower], z[upper] - z[lower]) for upper, lower in _LIDS]
+    brows = [(y[lower] + y[upper]) / 2 for lower, upper in _BROWS]
     return np.array(
         [
-            np.linalg.norm(lips[0] - lips[1]),
-            np.linalg.norm(corners[0] - corners[1]),
-            mesh[_LIP_TOP, 1] - mesh[_LIP_BOTTOM, 1],
-            mesh[[_LIP_TOP, _LIP_BOTTOM], 2].mean() - mesh[_NOSE_BASE, 2],
-            mesh[_NOSE_BASE, 1] - mesh[_CHIN, 1],
-            mesh[_CHIN, 0] - mesh[_NOSE_BASE, 0],
-            lips[:, 0].mean() - mesh[_NOSE_BASE, 0],
-            *(corners[:, 1] - mesh[_NOSE_BASE, 1]),
-            *lids,
-            *brows,
-            np.linalg.norm(mesh[_BROWS[0]].mean(0) - mesh[_BROWS[1]].mean(0)),
+            dist(metric_mesh[_UPPER_LIP], metric_mesh[_LOWER_LIP]),
+            dist(metric_mesh[_RIGHT_CORNER], metric_mesh[_LEFT_CORNER]),
+            y[_LIP_TOP] - y[_LIP_BOTTOM],
+            (z[_LIP_TOP] + z[_LIP_BOTTOM]) / 2 - z[_NOSE_BASE],
+            y[_NOSE_BASE] - y[_CHIN],
+            x[_CHIN] - x[_NOSE_BASE],
+            (x[_UPPER_LIP] + x[_LOWER_LIP]) / 2 - x[_NOSE_BASE],
+            y[_RIGHT_CORNER] - y[_NOSE_BASE],
+            y[_LEFT_CORNER] - y[_NOSE_BASE],
+            sum(lids[:3]) / 3,
+            sum(lids[3:]) / 3,
+            *(brow - eye for brow, eye in zip(brows, (right_eye, left_eye) * 3, strict=True)),
+            dist(*(metric_mesh[lower] + metric_mesh[upper] for lower, upper in _BROWS[:2])) / 2,
         ],
         np.float64,
     )

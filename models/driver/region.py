@@ -1,6 +1,7 @@
 """The turned square of the image that the landmark network looks at."""
 
 from dataclasses import dataclass
+from math import atan2, cos, sin
 
 import cv2
 import numpy as np
@@ -28,7 +29,7 @@ class Region:
     def to_image(self, side: int) -> NDArray[np.float64]:
         """[2, 3] affine map from a crop of ``side`` pixels to the image, both with pixel centres at half integers."""
         scale = self.size / side
-        cosine, sine = scale * np.cos(self.tilt), scale * np.sin(self.tilt)
+        cosine, sine = scale * cos(self.tilt), scale * sin(self.tilt)
         half = side / 2
         return np.array(
             [
@@ -40,7 +41,7 @@ class Region:
     def crop(self, rgb: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
         """The square as an upright picture [side, side, 3]; what lies outside the image repeats its border."""
         matrix = self.to_image(side)
-        matrix[:, 2] += matrix[:, :2] @ [0.5, 0.5] - 0.5  # OpenCV counts from the centre of the first pixel
+        matrix[:, 2] += (matrix[:, 0] + matrix[:, 1] - 1) / 2  # OpenCV counts from the centre of the first pixel
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         crop = cv2.warpAffine(rgb, matrix, (side, side), flags=flags, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(crop, np.uint8)
@@ -49,14 +50,16 @@ class Region:
 def region_around(landmarks: NDArray[np.float64]) -> Region:
     """The region for the next frame: a square around landmarks [n, >= 2] in pixels, upright along their eye line."""
     tilt = eye_line_tilt(landmarks)
-    turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
-    upright = landmarks[:, :2] @ turn
-    low, high = upright.min(0), upright.max(0)
-    x, y = turn @ ((low + high) / 2)
-    return Region(float(x), float(y), float((high - low).max() * _MARGIN), tilt)
+    cosine, sine = cos(tilt), sin(tilt)
+    across = landmarks[:, 0] * cosine + landmarks[:, 1] * sine
+    down = landmarks[:, 1] * cosine - landmarks[:, 0] * sine
+    left, right, top, bottom = (float(edge) for edge in (across.min(), across.max(), down.min(), down.max()))
+    u, v = (left + right) / 2, (top + bottom) / 2
+    size = max(right - left, bottom - top) * _MARGIN
+    return Region(u * cosine - v * sine, u * sine + v * cosine, size, tilt)
 
 
 def eye_line_tilt(landmarks: NDArray[np.float64]) -> float:
     """Angle, radians, of the line through the outer eye corners."""
-    x, y = landmarks[LEFT_EYE_OUTER, :2] - landmarks[RIGHT_EYE_OUTER, :2]
-    return float(np.arctan2(y, x))
+    left, right = landmarks[LEFT_EYE_OUTER], landmarks[RIGHT_EYE_OUTER]
+    return atan2(left[1] - right[1], left[0] - right[0])

@@ -21,7 +21,7 @@ from gemheads.models.driver.gaze import EYEBALL_RADIUS_CM, eye_gaze, joined
 from gemheads.models.driver.measures import MEASURES, measure
 from gemheads.models.driver.points import RIGHT_BROW
 from gemheads.models.driver.points import SCORES as NETWORK_SCORES
-from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
+from gemheads.render.rotations import matrix_from_wxyz, rotvec_from_matrix, wxyz_from_rotvec
 
 
 def test_blocks_fill_the_vector_without_gap_or_overlap(still_face: FaceObservation) -> None:
@@ -103,3 +103,21 @@ def test_the_baseline_reads_scores_as_weights() -> None:
     assert weights[0, arkit.NAMES.index("jawOpen")] == pytest.approx(0.4 * GAIN)
     assert weights[1, arkit.NAMES.index("eyeBlinkLeft")] == 1
     assert np.count_nonzero(weights) == 2
+
+
+def test_rotations_are_those_of_the_renderer(still_face: FaceObservation) -> None:
+    rng = np.random.default_rng(5)
+    for turn in [*rng.normal(0, 0.6, (20, 3)), np.zeros(3), np.array([np.pi - 1e-3, 0, 0])]:
+        other = rng.normal(0, 0.6, 3)
+        one, two = (matrix_from_wxyz(wxyz_from_rotvec(v)) for v in (turn, other))
+        pose = still_face.head_pose.copy()
+        pose[:3, :3] = 0.7 * one
+        found = head_rotation(replace(still_face, head_pose=pose))
+        np.testing.assert_allclose(found, rotvec_from_matrix(one), atol=1e-9)
+        np.testing.assert_allclose(relative_rotation(turn, other), rotvec_from_matrix(one @ two.T), atol=1e-9)
+
+
+def test_a_pose_that_is_no_number_is_not_taken_for_a_head_at_rest(still_face: FaceObservation) -> None:
+    pose = np.full((4, 4), np.nan)
+    assert np.isnan(head_rotation(replace(still_face, head_pose=pose))).all()
+    assert np.isnan(relative_rotation(np.full(3, np.nan), np.zeros(3))).all()

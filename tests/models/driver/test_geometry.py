@@ -5,9 +5,9 @@ import pytest
 from gemheads.models.driver.geometry import (
     FIELD_OF_VIEW_DEG,
     FaceGeometry,
+    anchor,
     metric_pose,
     read_geometry,
-    weighted_similarity,
 )
 from gemheads.models.driver.networks import FOLDER, GEOMETRY_FILE, read_checked
 from gemheads.render.rotations import matrix_from_wxyz, rotvec_from_matrix, wxyz_from_rotvec
@@ -35,9 +35,10 @@ def test_a_similarity_is_recovered_exactly() -> None:
     source, weights = rng.normal(size=(40, 3)), rng.uniform(0, 1, 40)
     rotation = matrix_from_wxyz(rng.normal(size=4))
     target = 2.5 * source @ rotation.T + [1.0, -2.0, 30.0]
-    found = weighted_similarity(source, target, weights)
-    np.testing.assert_allclose(found[:3, :3], 2.5 * rotation, atol=1e-12)
-    np.testing.assert_allclose(found[:3, 3], [1, -2, 30], atol=1e-11)
+    scale, found, translation = anchor(source, weights).similarity(target)
+    assert scale == pytest.approx(2.5, abs=1e-12)
+    np.testing.assert_allclose(found, rotation, atol=1e-12)
+    np.testing.assert_allclose(translation, [1, -2, 30], atol=1e-11)
 
 
 def test_points_without_weight_do_not_matter_and_a_mirror_image_is_no_rotation() -> None:
@@ -45,9 +46,12 @@ def test_points_without_weight_do_not_matter_and_a_mirror_image_is_no_rotation()
     source = rng.normal(size=(40, 3))
     target, weights = source.copy(), np.ones(40)
     target[7], weights[7] = 100, 0
-    np.testing.assert_allclose(weighted_similarity(source, target, weights), np.eye(4), atol=1e-12)
-    mirrored = weighted_similarity(source, source * [-1, 1, 1], np.ones(40))
-    assert np.linalg.det(mirrored[:3, :3]) > 0
+    scale, rotation, translation = anchor(source, weights).similarity(target)
+    assert scale == pytest.approx(1, abs=1e-12)
+    np.testing.assert_allclose(rotation, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(translation, 0, atol=1e-12)
+    _, mirrored, _ = anchor(source, np.ones(40)).similarity(source * [-1, 1, 1])
+    assert np.linalg.det(mirrored) > 0
 
 
 @pytest.mark.parametrize("turn_deg", [(0, 0, 0), (0, 25, 0), (-15, 0, 0), (5, -20, 12)])
