@@ -7,6 +7,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.arkit import NAMES
 from ..frames import Frame
 from ..performance import Pose
 
@@ -44,6 +45,28 @@ class PoseFrame:
 
 
 Delivery = Frame | WeightsFrame | PoseFrame
+
+
+LEAST_SIDE, MOST_SIDE = 16, 16384
+"""Pixels a side of a picture in which a face can be looked for."""
+
+
+def is_sound(delivery: Delivery) -> bool:
+    """Whether a delivery is what it says: a picture [H, W, 3] of bytes, or numbers that are finite."""
+    if isinstance(delivery, Frame):
+        rgb: object = delivery.rgb
+        if not isinstance(rgb, np.ndarray) or rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3:
+            return False
+        return all(LEAST_SIDE <= side <= MOST_SIDE for side in rgb.shape[:2])
+    if isinstance(delivery, WeightsFrame):
+        return (
+            delivery.weights.shape == (len(NAMES),)
+            and delivery.turn.shape == (3,)
+            and bool(np.isfinite(delivery.weights).all() and np.isfinite(delivery.turn).all())
+        )
+    if isinstance(delivery, PoseFrame):
+        return bool(np.isfinite(delivery.pose.coefficients).all() and np.isfinite(delivery.pose.turn).all())
+    return False
 
 
 class SourceLost(Exception):
