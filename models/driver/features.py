@@ -74,7 +74,11 @@ def head_rotation(face: FaceObservation) -> NDArray[np.float64]:
 
 def relative_rotation(rotation: NDArray[np.float64], neutral: NDArray[np.float64]) -> NDArray[np.float64]:
     """[3] axis and angle of the rotation that takes the head from ``neutral`` [3] to ``rotation`` [3]."""
-    return _rotvec(cv2.Rodrigues(rotation)[0] @ cv2.Rodrigues(neutral)[0].T)
+    return _rotvec(_matrix(rotation) @ _matrix(neutral).T)
+
+
+def _matrix(rotvec: NDArray[np.floating]) -> NDArray[np.float64]:
+    return np.asarray(cv2.Rodrigues(rotvec)[0], np.float64)
 
 
 def _rotvec(matrix: NDArray[np.floating]) -> NDArray[np.float64]:
