@@ -1,0 +1,1 @@
+"""What ``gemheads`` can be told to do; what a command needs is imported when it runs, so that --help is instant."""

@@ -1,0 +1,108 @@
+"""Commands about an avatar by itself: info, modes, export and train-regressor."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..errors import ExitCode
+from .options import EngineName, Out, Size
+
+
+def info(file: str | None = None, /) -> int:
+    """Say what is in an avatar's file; without one, list the avatars there are.
+
+    Args:
+        file: Name of an avatar or a .gem file.
+    """
+    from ..library import avatars, find_avatar, user_folder
+
+    if file is None:
+        for entry in avatars():
+            print(f"{entry.name:16} {'shipped' if entry.shipped else 'yours':8} {entry.path}")
+        print(f"Your own avatars belong in {user_folder()}")
+        return ExitCode.OK
+    from ..info import describe
+
+    print(describe(find_avatar(file)))
+    return ExitCode.OK
+
+
+def modes(file: str, /, *, out: Out, components: int = 5, size: Size = "256x256", engine: EngineName = "auto") -> int:
+    """Draw what single components do, from -3 to +3 sigma (figure 3 of the paper).
+
+    Args:
+        file: Name of an avatar or a .gem file.
+        out: The PNG to write.
+        components: How many components of each modality.
+        size: Width x height of each picture.
+        engine: What draws.
+    """
+    from ..library import find_avatar
+    from ..modes import draw_modes
+    from ..words import read_size
+
+    draw_modes(find_avatar(file), Path(out), components, read_size(size), engine)
+    print(out)
+    return ExitCode.OK
+
+
+def export(
+    file: str,
+    /,
+    *,
+    out: Out,
+    weights: Annotated[list[str] | None, Parameter(name="--set", consume_multiple=True)] = None,
+    track: Path | None = None,
+    components: int | None = None,
+) -> int:
+    """Write splats as PLY: one expression, or with --track a numbered sequence in a folder.
+
+    Args:
+        file: Name of an avatar or a .gem file.
+        out: The .ply to write; with --track a folder.
+        weights: ARKit weights of the expression, such as --set jawOpen=0.5 mouthSmileLeft=1. Default: at rest.
+        track: A file of `gemheads track`.
+        components: How many components a modality. Default: all.
+    """
+    from ..export import export_expression, export_track
+    from ..library import find_avatar
+
+    path = find_avatar(file)
+    if track is None:
+        export_expression(path, Path(out), weights or [], components)
+    else:
+        export_track(path, track, Path(out), components)
+    print(out)
+    return ExitCode.OK
+
+
+def train_regressor(
+    avatar: str,
+    /,
+    *videos: Path,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
+    pictures: int = 6000,
+    steps: int = 8000,
+    seed: int = 0,
+) -> int:
+    """Learn how an avatar answers a face (needs the extra: pip install 'gemheads[train]').
+
+    Args:
+        avatar: Name of an avatar or a .gem file.
+        videos: Face videos whose motion the training also learns from; no labels needed.
+        out: Where the avatar with its regressor goes. Default: the same file.
+        companions: Other avatars, which play strangers. Default: the other shipped ones.
+        pictures: How many pictures of the avatar are drawn and read.
+        steps: Training steps.
+        seed: The same seed, avatar and videos give the same regressor.
+    """
+    from ..library import avatars, find_avatar
+    from ..training import run_training
+
+    path = find_avatar(avatar)
+    others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
+    if companions is not None:
+        others = [find_avatar(name) for name in companions]
+    return run_training(path, out, list(videos), others, pictures, steps, seed)
