@@ -17,14 +17,16 @@ SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
 FAINT_TOLERANCE = 0.025
 """The same for scores that move little on any face."""
-FAINT = ("browInnerUp", "browDownLeft", "browDownRight", "mouthPucker", "mouthFunnel")
+FAINT = ("browInnerUp", "browDownLeft", "browDownRight", "mouthFunnel")
 LEADING = (
-    *("jawOpen", "mouthSmileLeft", "mouthSmileRight", "mouthPucker", "eyeBlinkLeft", "eyeBlinkRight", "browInnerUp"),
+    *("mouthSmileLeft", "mouthSmileRight", "eyeBlinkLeft", "eyeBlinkRight", "browInnerUp"),
     *("browDownLeft", "browDownRight", "eyeLookOutLeft", "eyeLookInLeft", "eyeLookOutRight", "eyeLookInRight"),
 )
 """What people look at first when they judge whether an avatar follows."""
 LEADING_FACTOR = 0.5
 """The tolerance of the leading scores against the others."""
+CLOSE = {"jawOpen": 0.015, "mouthPucker": 0.008}
+"""Scores that many landmarks contradict a little: held closely, or they lose against lip gap and mouth width."""
 UNTRUSTED_SCORES = (
     "mouthClose",
     "mouthShrugUpper",
@@ -53,6 +55,8 @@ def channel_tolerances() -> NDArray[np.float32]:
     for names, factor in ((FAINT, FAINT_TOLERANCE / SCORE_TOLERANCE), (LEADING, LEADING_FACTOR)):
         for name in names:
             tolerances[SCORES.start + SCORE_NAMES.index(name)] *= factor
+    for name, tolerance in CLOSE.items():
+        tolerances[SCORES.start + SCORE_NAMES.index(name)] = tolerance
     tolerances[BLOCKS["gaze"]] = GAZE_TOLERANCE
     brows = ["brow" in name for name in MEASURES]
     tolerances[BLOCKS["measures"]] = np.where(brows, BROW_TOLERANCE, MEASURE_TOLERANCE)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..arkit import NAMES
 from ..driver.baseline import GAIN
-from ..driver.features import DIMENSION, SCORE_NAMES, SCORES
+from ..driver.features import SCORE_NAMES
 from ..gem import Gem
 
 ARKIT_REACH = 0.7
@@ -27,7 +27,7 @@ class Controls:
     reach: NDArray[np.float32]
     """[E] greatest distance from the unlearned start."""
     start: NDArray[np.float32]
-    """[D, E] the unlearned reading of relative features as weights, before clipping to the bounds."""
+    """[scores, E] the unlearned reading of relative scores as weights, before clipping to the bounds."""
     to_coefficients: NDArray[np.float32]
     """[E, coefficients] what one unit of each weight adds to the rest coefficients."""
     rest: NDArray[np.float32]
@@ -45,13 +45,13 @@ def controls_of(gem: Gem) -> Controls:
     limit = 3 * gem.sigma
     if gem.arkit_weights is None:
         count = gem.coefficient_count
-        start = np.zeros((DIMENSION, count), np.float32)
+        start = np.zeros((len(SCORE_NAMES), count), np.float32)
         identity = np.eye(count, dtype=np.float32)
         return Controls(-limit, limit, limit, start, identity, gem.rest_coefficients, limit)
-    start = np.zeros((DIMENSION, len(NAMES)), np.float32)
+    start = np.zeros((len(SCORE_NAMES), len(NAMES)), np.float32)
     for column, name in enumerate(NAMES):
         if name in SCORE_NAMES:
-            start[SCORES.start + SCORE_NAMES.index(name), column] = GAIN
+            start[SCORE_NAMES.index(name), column] = GAIN
     ones = np.ones(len(NAMES), np.float32)
     reach = np.array([GAZE_REACH if name.startswith("eyeLook") else ARKIT_REACH for name in NAMES], np.float32)
     return Controls(

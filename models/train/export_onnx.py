@@ -5,7 +5,7 @@ import onnx
 from numpy.typing import ArrayLike
 from onnx import TensorProto, helper, numpy_helper
 
-from ..driver.features import FEATURE_VERSION
+from ..driver.features import FEATURE_VERSION, SCORES
 from ..driver.regressor import VERSION_KEY
 from .network import KAPPA_LIMIT, RegressorNetwork
 
@@ -16,13 +16,18 @@ OUTPUT = "coefficients"
 
 def export_onnx(network: RegressorNetwork) -> bytes:
     """The graph: float32 ``relative_features`` [1, D] and ``head_rotation`` [1, 3] (radians) in, ``coefficients``
-    [1, coefficients] out, already inside +-3 sigma. Operators: Sub MatMul Min Max Concat Gemm Relu Tanh Mul Add Div."""
+    [1, coefficients] out, already inside +-3 sigma. Operators: Sub MatMul Min Max Slice Concat Gemm Relu Tanh
+    Mul Add Div."""
     nodes: list[onnx.NodeProto] = []
     constants: list[onnx.TensorProto] = []
     tensors = {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
 
     def constant(name: str, array: ArrayLike) -> str:
         constants.append(numpy_helper.from_array(np.asarray(array, np.float32), name))
+        return name
+
+    def place(name: str, index: int) -> str:
+        constants.append(numpy_helper.from_array(np.array([index], np.int64), name))
         return name
 
     def node(operator: str, *inputs: str, **attributes: int) -> str:
@@ -41,7 +46,8 @@ def export_onnx(network: RegressorNetwork) -> bytes:
     kappa = node("MatMul", centred, constant("projection", tensors["projection"]))
     bound = np.float32(KAPPA_LIMIT)
     kappa = clipped(kappa, constant("kappa_lower", -bound), constant("kappa_upper", bound))
-    start = clipped(node("MatMul", features, constant("start", tensors["start"])), lower, upper)
+    scores = node("Slice", features, place("first", SCORES.start), place("behind", SCORES.stop), place("axis", 1))
+    start = clipped(node("MatMul", scores, constant("start", tensors["start"])), lower, upper)
     hidden = node("Concat", kappa, rotation, start, axis=1)
     indices = sorted({int(name.split(".")[1]) for name in tensors if name.startswith("layers.")})
     for position, index in enumerate(indices):

@@ -7,6 +7,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from ..driver.features import SCORES
 from .controls import Controls
 
 HIDDEN = 256
@@ -76,12 +77,16 @@ class RegressorNetwork(nn.Module):
     def free_weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
         kappa = ((features - self.feature_mean) @ self.projection).clamp(-KAPPA_LIMIT, KAPPA_LIMIT)
-        start = self.bounded(features @ self.start)
+        start = self.started(features)
         return start + self.reach * torch.tanh(self.layers(torch.cat([kappa, rotation, start], 1)))
 
     def weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] within their bounds."""
         return self.bounded(self.free_weights(features, rotation))
+
+    def started(self, features: Tensor) -> Tensor:
+        """Control weights [B, E] as the scores alone give them."""
+        return self.bounded(features[:, SCORES] @ self.start)
 
     def bounded(self, weights: Tensor) -> Tensor:
         """Weights [B, E] clipped to their bounds."""

@@ -190,7 +190,7 @@ def _close_loop(
         wanted = r[:, torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
         got = response(bounded + 0.05 * (free - bounded), turn)
         loss = torch.nn.functional.huber_loss(got, wanted, delta=HUBER)
-        start = network.bounded(r @ network.start)
+        start = network.started(r)
         loss = loss + PRIOR * ((bounded - start) ** 2).mean() + EXCESS * ((free - bounded) ** 2).mean()
         own_batch = torch.randint(len(known[0]), (BATCH // 2,))
         labelled = network.free_weights(known[0][own_batch], known[1][own_batch])
