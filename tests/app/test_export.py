@@ -1,0 +1,64 @@
+"""Exported PLYs, read by somebody who trusts only the layout of the INRIA 3DGS code."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gemheads.app.cli import main
+from gemheads.models import arkit
+from gemheads.models.gemfile import load_gem
+from gemheads.render.gaussians import Gaussians, activate
+from plyfile import PlyData
+
+SH_C0 = 0.28209479177387814
+
+
+def read_3dgs(path: Path) -> Gaussians:
+    """Splats of a PLY; AssertionError for anything but the layout that the INRIA code writes, in its order.
+
+    Harmonics of degree D take 3 (D + 1)^2 - 3 properties f_rest; a reader for D reads so many floats a splat.
+    """
+    ply = PlyData.read(str(path))
+    assert not ply.text
+    assert ply.byte_order == "<"
+    assert [element.name for element in ply.elements] == ["vertex"]
+    names = [p.name for p in ply["vertex"].properties]
+    rest = [name for name in names if name.startswith("f_rest_")]
+    assert len(rest) in (0, 9, 24, 45)
+    assert names == [
+        *("x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"),
+        *(f"f_rest_{i}" for i in range(len(rest))),
+        *("opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"),
+    ]
+    assert all(p.val_dtype == "f4" for p in ply["vertex"].properties)
+
+    def columns(*wanted: str) -> np.ndarray:
+        return np.stack([np.asarray(ply["vertex"][name]) for name in wanted], 1)
+
+    wxyz = columns("rot_0", "rot_1", "rot_2", "rot_3")
+    assert np.allclose(np.linalg.norm(wxyz, axis=1), 1, atol=1e-6)
+    assert not columns("nx", "ny", "nz", *rest).any()
+    return Gaussians(
+        positions=columns("x", "y", "z"),
+        wxyz=wxyz,
+        scales=np.exp(columns("scale_0", "scale_1", "scale_2")),
+        opacities=1 / (1 + np.exp(-columns("opacity")[:, 0])),
+        colors=0.5 + SH_C0 * columns("f_dc_0", "f_dc_1", "f_dc_2"),
+    )
+
+
+@pytest.mark.parametrize("words", [(), ("--set", "jawOpen=0.8", "mouthSmileLeft=0.5")], ids=["at rest", "expression"])
+def test_a_strict_reader_sees_the_splats_that_are_drawn(tiny: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+    assert main(["export", str(tiny), "-o", str(tmp_path / "a.ply"), *words]) == 0
+    gem = load_gem(tiny)
+    weights = np.zeros(52)
+    for word in words[1:]:
+        name, value = word.split("=")
+        weights[arkit.NAMES.index(name)] = float(value)
+    drawn = activate(gem.compose(gem.clamped(gem.arkit_coefficients(weights))))
+    read = read_3dgs(tmp_path / "a.ply")
+    assert len(read.positions) == len(gem)
+    for part in ("positions", "scales", "opacities", "colors"):
+        np.testing.assert_allclose(getattr(read, part), getattr(drawn, part), rtol=1e-5, atol=1e-6, err_msg=part)
+    turned_alike = np.abs((read.wxyz * drawn.wxyz).sum(1))  # q and -q are one rotation
+    np.testing.assert_allclose(turned_alike, 1, atol=1e-5)
