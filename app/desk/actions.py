@@ -51,7 +51,7 @@ ACTIONS: tuple[Action, ...] = (
     Action("avatar", "Avatar by number", "Avatar", tuple((str(n), float(n)) for n in range(1, 10)), "number"),
     _one("previous_avatar", "Previous avatar", "Avatar", "A"),
     _one("next_avatar", "Next avatar", "Avatar", "D"),
-    _one("open", "Open an avatar, a video, pictures or a track ...", "Avatar", "Ctrl+O", "text"),
+    _one("open", "Open a file or folder ...", "Avatar", "Ctrl+O", "text"),
     _dial("components", "Components", "Avatar", "-", "+", 5),
     _one("position", "Positions move", "Avatar", "Ctrl+1", "switch"),
     _one("rotation", "Rotations move", "Avatar", "Ctrl+2", "switch"),

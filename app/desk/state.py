@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-
 from ...models.gem import CLAMP_SIGMAS, MODALITIES
 from .actions import BY_NAME, Order
 

@@ -7,9 +7,9 @@ from imgui_bundle import imgui, implot
 
 Colour = tuple[float, float, float, float]
 
-GROUND: Colour = (0.066, 0.070, 0.078, 1.0)
+GROUND: Colour = (0.082, 0.087, 0.097, 1.0)
 """Behind everything."""
-PANEL: Colour = (0.094, 0.100, 0.112, 1.0)
+PANEL: Colour = (0.105, 0.112, 0.125, 1.0)
 FIELD: Colour = (0.145, 0.153, 0.170, 1.0)
 FIELD_HOVERED: Colour = (0.190, 0.200, 0.222, 1.0)
 LINE: Colour = (1.0, 1.0, 1.0, 0.07)
@@ -40,8 +40,8 @@ def dress(scale: float) -> None:
     style = imgui.get_style()
     pairs = {
         "window_padding": (2 * UNIT, 1.5 * UNIT),
-        "frame_padding": (10, 5),
-        "item_spacing": (UNIT, UNIT),
+        "frame_padding": (9, 3),
+        "item_spacing": (UNIT, 5),
         "item_inner_spacing": (UNIT, UNIT / 2),
         "cell_padding": (UNIT / 2, UNIT / 4),
         "separator_text_padding": (0, UNIT / 2),

@@ -1,0 +1,90 @@
+"""The window without a display: the same picture and panels on EGL, keys and pointer put in by hand."""
+
+import moderngl
+import numpy as np
+from imgui_bundle import imgui
+from numpy.typing import NDArray
+
+from ...render.contexts import offscreen_context
+from .actions import Order
+from .keys import Keymap, keymap
+from .screen import Screen, dropped
+from .view import DeskView
+
+FRAME_SECS = 1 / 60
+
+
+class DeskOffscreen:
+    """For tests, screenshots and machines without a display: the face of ``window.DeskWindow``."""
+
+    def __init__(self, size: tuple[int, int] = (1280, 800)) -> None:
+        """``size``: width and height in pixels. Raises NoOpenGLError."""
+        self.context: moderngl.Context = offscreen_context()
+        self.size = size
+        self.keymap: Keymap = keymap()
+        self.visible = True
+        self._target = self.context.simple_framebuffer(size, 4)
+        self._screen = Screen(self.context)
+        self._orders: list[Order] = []
+        self.shown = 0
+        """Pictures shown so far."""
+
+    def poll(self, wait: float = 0.0) -> list[Order]:
+        """What was asked for since the last call; ``wait`` is for windows."""
+        orders, self._orders = self._orders, []
+        return orders
+
+    def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
+        """Draw a frame; ``picture`` [H, W, 3|4] stays until another one comes."""
+        inputs = imgui.get_io()
+        inputs.display_size = imgui.ImVec2(*self.size)
+        inputs.delta_time = FRAME_SECS
+        self.keymap = view.keymap
+        if picture is not None:
+            self._screen.put(picture)
+        self._target.use()
+        self._screen.draw(view, self.size)
+        self._orders += self._screen.orders
+        self._screen.orders.clear()
+        self.shown += 1
+
+    def pixels(self) -> NDArray[np.uint8]:
+        """[H, W, 3] what is on the screen, upright."""
+        raw = np.frombuffer(self._target.read(components=3), np.uint8)
+        return raw.reshape(self.size[1], self.size[0], 3)[::-1].copy()
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Another size from now on."""
+        self._target.release()
+        self.size, self._target = size, self.context.simple_framebuffer(size, 4)
+
+    def press(self, key: str) -> None:
+        """Type a key by its name, such as ``Ctrl+Q``."""
+        order = None if self._screen.typing else self.keymap.order(key)
+        self._orders += [order] if order is not None else []
+
+    def point(self, x: float, y: float, down: bool | None = None) -> None:
+        """Move the pointer, and press or release its left button."""
+        inputs = imgui.get_io()
+        inputs.add_mouse_pos_event(x, y)
+        if down is not None:
+            inputs.add_mouse_button_event(0, down)
+
+    def scroll(self, notches: float) -> None:
+        """Turn the wheel."""
+        imgui.get_io().add_mouse_wheel_event(0, notches)
+
+    def type(self, words: str) -> None:
+        """Type letters into the text field that has them."""
+        for letter in words:
+            imgui.get_io().add_input_character(ord(letter))
+
+    def drop(self, *paths: str) -> None:
+        """Drop files."""
+        self._orders += dropped(list(paths))
+
+    def close(self) -> None:
+        """Release the context."""
+        self._screen.close()
+        self._target.release()
+        self.context.release()

@@ -1,0 +1,84 @@
+"""What is said over the picture: what is wrong and its cure, messages that pass, countdown, curtain, comparison."""
+
+from collections.abc import Iterator
+
+from imgui_bundle import imgui
+
+from .. import theme
+from ..picture import Area
+from ..theme import Colour
+from ..view import DeskView
+from .controls import packed, scale
+
+CALM = ("no source", "tracking", "hold")
+"""Phases in which nothing needs to be said over the picture."""
+
+
+def notices(view: DeskView, picture: Area) -> None:
+    """Pills at the foot of the picture, the newest at the bottom."""
+    pen, unit = imgui.get_foreground_draw_list(), scale(view)
+    bottom = picture.top + picture.height - 14 * unit
+    for words, ink in reversed(list(_sentences(view))):
+        bottom = _pill(pen, words, ink, picture, bottom, unit) - 8 * unit
+
+
+def comparison(view: DeskView, picture: Area) -> None:
+    """The line between the two halves, and what each shows."""
+    pen, unit, state = imgui.get_background_draw_list(), scale(view), view.state
+    x = picture.left + picture.width * state.split
+    top, bottom = picture.top, picture.top + picture.height
+    pen.add_line(imgui.ImVec2(x, top), imgui.ImVec2(x, bottom), packed(theme.ACCENT), 2 * unit)
+    pen.add_circle_filled(imgui.ImVec2(x, (top + bottom) / 2), 9 * unit, packed(theme.ACCENT))
+    left = f"A: all {state.limits.components}"
+    right = "error x 8" if state.error_map else f"B: {state.used_components} components"
+    size = imgui.calc_text_size(left)
+    pen.add_text(imgui.ImVec2(x - size.x - 12 * unit, top + 12 * unit), packed(theme.ACCENT), left)
+    pen.add_text(imgui.ImVec2(x + 12 * unit, top + 12 * unit), packed(theme.ACCENT), right)
+
+
+def countdown(view: DeskView, picture: Area) -> None:
+    """The seconds until the neutral is taken, large; then how much of it is there."""
+    rest, unit = view.rest, scale(view)
+    pen = imgui.get_foreground_draw_list()
+    middle = imgui.ImVec2(picture.left + picture.width / 2, picture.top + 56 * unit)
+    pen.add_circle_filled(middle, 34 * unit, packed(theme.PANEL, 0.85))
+    ink = packed(theme.ACCENT if rest.green else theme.WARNING)
+    if rest.progress is not None:
+        pen.path_arc_to(middle, 30 * unit, -1.5708, -1.5708 + 6.2832 * rest.progress, 48)
+        pen.path_stroke(ink, 4 * unit)
+    words = f"{rest.countdown:.0f}" if rest.countdown is not None else ("hold" if rest.green else "...")
+    size = imgui.calc_text_size(words)
+    pen.add_text(imgui.ImVec2(middle.x - size.x / 2, middle.y - size.y / 2), ink, words)
+
+
+def _sentences(view: DeskView) -> Iterator[tuple[str, Colour]]:
+    health, state = view.health, view.state
+    if state.curtain:
+        yield "Curtain: nothing of the avatar is shown or sent. 0 lifts it.", theme.ACCENT
+    elif state.frozen:
+        yield "Frozen. Space lets it go on.", theme.ACCENT
+    elif health.phase not in CALM and (health.message or health.phase == "searching"):
+        ink = theme.ALARM if health.phase == "stalled" else theme.WARNING
+        yield f"{health.message or 'Looking for you.'} {health.cure}".strip(), ink
+    if state.resting:
+        yield " ".join(view.rest.sentences) or "Look into the camera, face at rest.", theme.WARNING
+    if view.readings.lowered:
+        yield view.readings.lowered, theme.FAINT
+    if view.loading:
+        yield f"Loading {view.loading} ...", theme.FAINT
+    for toast in view.toasts:
+        yield toast.text, theme.ALARM if toast.alarm else theme.TEXT
+
+
+def _pill(pen: imgui.ImDrawList, words: str, ink: Colour, picture: Area, bottom: float, unit: float) -> float:
+    """Draws words centred above ``bottom``, wrapped to the picture; returns its top."""
+    widest = max(160 * unit, min(picture.width - 48 * unit, 560 * unit))
+    size = imgui.calc_text_size(words, False, widest)
+    pad_x, pad_y = 14 * unit, 8 * unit
+    left = picture.left + (picture.width - size.x) / 2 - pad_x
+    top = bottom - size.y - 2 * pad_y
+    corner = imgui.ImVec2(left + size.x + 2 * pad_x, bottom)
+    pen.add_rect_filled(imgui.ImVec2(left, top), corner, packed(theme.PANEL, 0.92), 8 * unit)
+    at = imgui.ImVec2(left + pad_x, top + pad_y)
+    pen.add_text(imgui.get_font(), imgui.get_font_size(), at, packed(ink), words, widest)
+    return top

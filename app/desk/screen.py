@@ -1,0 +1,113 @@
+"""One frame of the window: the picture and the panels over it, in whatever framebuffer is bound."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import moderngl
+import numpy as np
+from imgui_bundle import imgui, implot
+from numpy.typing import NDArray
+
+from . import theme
+from .actions import Order
+from .layout import Panels, laid_out
+from .picture import Area, PictureOnScreen
+from .view import DeskView
+
+GRIP_PX = 12.0
+"""How near to the split's line the pointer takes it."""
+DEGREES_PER_PX = 0.3
+ZOOM_PER_NOTCH = 0.1
+
+
+class Screen:
+    """The picture and the panels of one GL context. What panels and pointer ask for is collected in ``orders``."""
+
+    def __init__(self, context: moderngl.Context) -> None:
+        """In the thread where ``context`` is current; it may only be used there."""
+        self._context = context
+        self._picture = PictureOnScreen(context)
+        self._gui = imgui.create_context()
+        self._plots = implot.create_context()
+        inputs = imgui.get_io()
+        inputs.set_ini_filename("")  # nothing is written where the program happens to be started
+        inputs.config_input_trickle_event_queue = False
+        self._letters = theme.Letters()
+        imgui.backends.opengl3_init("#version 330")
+        self._panels = Panels()
+        self._scale = 0.0
+        self._size: tuple[int, int] | None = None
+        self._held = ""
+        self.orders: list[Order] = []
+
+    @property
+    def typing(self) -> bool:
+        """Whether letters belong to a text field."""
+        return imgui.get_io().want_text_input
+
+    def put(self, picture: NDArray[np.uint8]) -> None:
+        """Show another picture [H, W, 3|4] from now on."""
+        self._picture.put(picture)
+        self._size = (picture.shape[1], picture.shape[0])
+
+    def draw(self, view: DeskView, size: tuple[int, int], begin: Callable[[], None] | None = None) -> None:
+        """Draw a frame of ``size`` pixels; ``begin`` tells imgui of pointer and keys."""
+        if view.state.ui_scale != self._scale:
+            self._scale = view.state.ui_scale
+            theme.dress(self._scale)
+        self._walk(view.state.walk)
+        imgui.backends.opengl3_new_frame()
+        if begin is not None:
+            begin()
+        imgui.new_frame()
+        layout = laid_out(view, *size)
+        shown = layout.picture.fitted(*self._size) if self._size is not None else None
+        self._panels.draw(view, self._ask, layout, shown)
+        self._point(view, layout.picture, shown)
+        imgui.render()
+        self._context.viewport = (0, 0, *size)
+        self._context.clear(*theme.GROUND)
+        if shown is not None:
+            self._picture.draw(shown, size, view.state.mirror)
+        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+
+    def close(self) -> None:
+        """Release what it holds."""
+        self._picture.close()
+        imgui.backends.opengl3_shutdown()
+        implot.destroy_context(self._plots)
+        imgui.destroy_context(self._gui)
+
+    def _ask(self, name: str, value: float | str | None) -> None:
+        self.orders.append(Order(name, value))
+
+    def _walk(self, on: bool) -> None:
+        inputs, flag = imgui.get_io(), imgui.ConfigFlags_.nav_enable_keyboard.value
+        inputs.config_flags = inputs.config_flags | flag if on else inputs.config_flags & ~flag
+
+    def _point(self, view: DeskView, area: Area, shown: Area | None) -> None:
+        """What the pointer does on the picture: turns the camera, zooms, moves the split."""
+        inputs, state = imgui.get_io(), view.state
+        if not inputs.mouse_down[0]:
+            self._held = ""
+        if inputs.want_capture_mouse and not self._held:
+            return
+        x, y = inputs.mouse_pos.x, inputs.mouse_pos.y
+        if imgui.is_mouse_clicked(0) and area.holds(x, y):
+            line = None if shown is None else shown.left + shown.width * state.split
+            near = state.compare and line is not None and abs(x - line) < GRIP_PX * self._scale
+            self._held = "split" if near else "orbit"
+        if self._held == "split" and shown is not None:
+            self.orders.append(Order("split", (x - shown.left) / shown.width))
+        elif self._held == "orbit" and (inputs.mouse_delta.x or inputs.mouse_delta.y):
+            # the head turns with the hand; in a mirror the other way round
+            across = 1.0 if state.mirror else -1.0
+            self.orders.append(Order("yaw", across * DEGREES_PER_PX * inputs.mouse_delta.x, relative=True))
+            self.orders.append(Order("pitch", DEGREES_PER_PX * inputs.mouse_delta.y, relative=True))
+        if inputs.mouse_wheel and area.holds(x, y):
+            self.orders.append(Order("zoom", ZOOM_PER_NOTCH * inputs.mouse_wheel, relative=True))
+
+
+def dropped(paths: list[str]) -> list[Order]:
+    """What dropping files asks for: the first one is opened."""
+    return [Order("open", str(Path(paths[0])))] if paths else []
