@@ -4,7 +4,7 @@ import contextlib
 import threading
 import time
 from statistics import median
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from .camera import Camera
 from .gaussians import RawGaussians
 from .software import SoftwareEngine
+
+if TYPE_CHECKING:
+    import moderngl
 
 EngineName = Literal["auto", "quads", "software"]
 _TRIALS = 3
@@ -45,12 +48,14 @@ class Engine(Protocol):
         ...
 
 
-def open_engine(name: EngineName = "auto") -> Engine:
-    """An engine that draws without a window.
+def open_engine(name: EngineName = "auto", context: "moderngl.Context | None" = None) -> Engine:
+    """An engine that draws without a window, or in a window's own context.
 
     Args:
         name: ``quads`` is OpenGL, ``software`` numba, ``auto`` the faster of the two on this machine; where there is
             no OpenGL that is the software engine.
+        context: a window's, current in this thread: quads then draw in it, into a framebuffer of their own, and leave
+            it open when they close. None opens one that needs no window.
 
     Raises:
         ValueError: for another name.
@@ -65,7 +70,7 @@ def open_engine(name: EngineName = "auto") -> Engine:
     from .splats import SplatRenderer
 
     try:
-        quads = SplatRenderer(offscreen_context(), owns_context=True)
+        quads = SplatRenderer(context or offscreen_context(), owns_context=context is None)
     except NoOpenGLError as error:
         if name == "quads":
             raise

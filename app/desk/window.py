@@ -1,0 +1,165 @@
+"""The window on the screen: glfw's events become orders, a picture and the panels become a frame."""
+
+import ctypes
+from typing import Any
+
+from imgui_bundle import imgui  # isort: skip (first: it tells glfw which library both use)
+import glfw  # isort: skip
+import numpy as np
+from numpy.typing import NDArray
+
+from ...render.contexts import window_context
+from .actions import Order
+from .keys import Keymap, keymap
+from .screen import Screen, dropped
+from .view import DeskView
+
+TITLE = "gemheads"
+SMALLEST = (360, 300)
+NAMES = {
+    glfw.KEY_ESCAPE: "Esc",
+    glfw.KEY_TAB: "Tab",
+    glfw.KEY_SPACE: "Space",
+    glfw.KEY_ENTER: "Enter",
+    glfw.KEY_BACKSPACE: "Backspace",
+    glfw.KEY_DELETE: "Delete",
+    glfw.KEY_INSERT: "Insert",
+    glfw.KEY_HOME: "Home",
+    glfw.KEY_END: "End",
+    glfw.KEY_PAGE_UP: "PageUp",
+    glfw.KEY_PAGE_DOWN: "PageDown",
+    glfw.KEY_LEFT: "Left",
+    glfw.KEY_RIGHT: "Right",
+    glfw.KEY_UP: "Up",
+    glfw.KEY_DOWN: "Down",
+    glfw.KEY_KP_ADD: "+",
+    glfw.KEY_KP_SUBTRACT: "-",
+    **{glfw.KEY_F1 + n: f"F{n + 1}" for n in range(24)},
+}
+WALKING = frozenset(("Space", "Enter", "Tab", "Left", "Right", "Up", "Down", "Home", "End", "PageUp", "PageDown"))
+"""Keys that move about in the panels while they are walked."""
+
+
+class DeskWindow:
+    """A glfw window. Everything happens in the thread that made it."""
+
+    def __init__(self, size: tuple[int, int] = (1280, 800), title: str = TITLE) -> None:
+        """``size``: width and height in screen units. Raises contexts.NoOpenGLError where no window opens."""
+        self._window, self.context = window_context(*size, title)
+        self.keymap: Keymap = keymap()
+        self._orders: list[Order] = []
+        self._walking = False
+        self._modifiers = 0
+        self._repeated = False
+        self._placed: tuple[int, int, int, int] | None = None
+        glfw.set_window_size_limits(self._window, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
+        glfw.swap_interval(1)
+        glfw.set_key_callback(self._window, self._on_key)
+        glfw.set_char_callback(self._window, self._on_character)
+        glfw.set_drop_callback(self._window, self.on_drop)
+        glfw.set_window_close_callback(self._window, self._on_close)
+        self._screen = Screen(self.context)
+        # imgui calls the callbacks that are there already: it comes last
+        imgui.backends.glfw_init_for_opengl(ctypes.cast(self._window, ctypes.c_void_p).value or 0, True)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in screen units."""
+        return glfw.get_window_size(self._window)
+
+    @property
+    def visible(self) -> bool:
+        """Whether anybody can see it: not while minimised."""
+        return not glfw.get_window_attrib(self._window, glfw.ICONIFIED) and min(self._pixels()) > 0
+
+    def poll(self, wait: float = 0.0) -> list[Order]:
+        """What was asked for since the last call, by keys, pointer, panels or dropped files.
+
+        Args:
+            wait: seconds to wait for an event when there is none.
+        """
+        if wait > 0 and not self._orders:
+            glfw.wait_events_timeout(wait)
+        else:
+            glfw.poll_events()
+        orders, self._orders = self._orders, []
+        return orders
+
+    def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
+        """Draw a frame and swap; ``picture`` [H, W, 3|4] stays until another one comes. Nothing while minimised."""
+        self.keymap, self._walking = view.keymap, view.state.walk
+        if picture is not None:
+            self._screen.put(picture)
+        if not self.visible:
+            return
+        if view.state.full_screen != (glfw.get_window_monitor(self._window) is not None):
+            self._fill(view.state.full_screen)
+        self.context.screen.use()
+        self._screen.draw(view, self._pixels(), imgui.backends.glfw_new_frame)
+        self._orders += self._screen.orders
+        self._screen.orders.clear()
+        glfw.swap_buffers(self._window)
+
+    def on_drop(self, window: Any, paths: list[str]) -> None:
+        """Files were dropped on the window."""
+        self._orders += dropped(paths)
+
+    def close(self) -> None:
+        """Close the window."""
+        imgui.backends.glfw_shutdown()
+        self._screen.close()
+        glfw.destroy_window(self._window)
+        glfw.terminate()
+
+    def _pixels(self) -> tuple[int, int]:
+        return glfw.get_framebuffer_size(self._window)
+
+    def _fill(self, whole: bool) -> None:
+        """Fill the screen, or go back to where the window was."""
+        if whole:
+            self._placed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
+            monitor = glfw.get_primary_monitor()
+            mode = glfw.get_video_mode(monitor)
+            glfw.set_window_monitor(self._window, monitor, 0, 0, *mode.size, mode.refresh_rate)
+        elif self._placed is not None:
+            glfw.set_window_monitor(self._window, None, *self._placed, glfw.DONT_CARE)
+
+    def _on_close(self, window: Any) -> None:
+        self._orders.append(Order("quit"))
+
+    def _on_key(self, window: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
+        """Keys that type no character, and those held with Ctrl or Alt; the others arrive in ``_on_character``."""
+        if action == glfw.RELEASE:
+            return
+        self._modifiers, self._repeated = modifiers, action == glfw.REPEAT
+        name = NAMES.get(key)
+        if modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT) and (name is None or name in "+-"):
+            name = name or _letter(key, scancode)
+        elif name in ("+", "-"):
+            return
+        if name is not None:
+            self._press(name, modifiers)
+
+    def _on_character(self, window: Any, codepoint: int) -> None:
+        letter = chr(codepoint).upper()
+        if letter.isspace() or self._modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT):
+            return
+        # Shift is part of what a punctuation mark is, on whatever layout, and apart from what a letter is
+        self._press(letter, self._modifiers if letter.isalpha() else 0)
+
+    def _press(self, name: str, modifiers: int) -> None:
+        held = {"Ctrl": glfw.MOD_CONTROL, "Shift": glfw.MOD_SHIFT, "Alt": glfw.MOD_ALT}
+        key = "+".join([*(word for word, bit in held.items() if modifiers & bit), name])
+        if (self._screen.typing and not (modifiers & glfw.MOD_CONTROL or name == "Esc")) or (
+            self._walking and key in WALKING
+        ):
+            return
+        order = self.keymap.order(key, self._repeated)
+        if order is not None:
+            self._orders.append(order)
+
+
+def _letter(key: int, scancode: int) -> str | None:
+    """What a key types on this keyboard's layout, in capitals."""
+    name = glfw.get_key_name(key, scancode)
+    return name.upper() if name and len(name) == 1 else None
