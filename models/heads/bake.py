@@ -12,18 +12,20 @@ from ..distill import distill
 from ..gem import Gem, Viewing
 from .atlas import lay_out
 from .compose import compose
-from .head import HAIR, SKIN, Head, build_head
+from .head import HAIR, SKIN, TEETH, TONGUE, Head, build_head
 from .ingredients import Ingredients
 from .people import Person
 from .performance import perform
 from .refine import refined, views_of
 from .shading import Shader, make_shader
 from .splats import Rider, posed
+from .teeth import opacity_logit
 
 Floats = NDArray[np.floating]
 
-SPLATS = 23_600
 UV_SIZE = 160
+MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])
+"""Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
 PIVOT = np.array([0.0, -0.075, -0.02], np.float32)
 """The point a head nods and turns about, metres, canonical space."""
 
@@ -43,26 +45,44 @@ class Subject:
 
     def frame(self, weights: Floats) -> RawGaussians:
         """The splats of one expression, ARKit ``weights`` [52]."""
-        return posed(self.rider, self.head.pose(weights))
+        vertices = self.head.pose(weights)
+        raw = posed(self.rider, vertices)
+        logits = raw.opacity_logits.copy()
+        logits[self.rider.part == TEETH] = opacity_logit(self.head.mouth_light(vertices))
+        return replace(raw, opacity_logits=logits)
 
     def frames(self, performance: Floats) -> Iterator[RawGaussians]:
         """One frame for each row of weights [F, 52]."""
         return (self.frame(weights) for weights in performance)
 
 
-def make_subject(person: Person, ingredients: Ingredients, splats: int = SPLATS, refine: bool = True) -> Subject:
-    """Build, light and cover a person with at most ``splats`` splats; ``refine`` fits their colours to the mesh."""
+def make_subject(person: Person, ingredients: Ingredients, splats: int | None = None, refine: bool = True) -> Subject:
+    """Build, light and cover a person with at most ``splats`` splats (the person's own number where none is given).
+
+    ``refine`` fits their colours to the mesh.
+    """
     head = build_head(person, ingredients)
     shader = make_shader(person, head, ingredients)
-    rider = compose(shader, ingredients, splats, person.seed)
+    rider = compose(shader, ingredients, splats or person.splats, person.seed)
     if refine:
         surface = np.flatnonzero(rider.lift == 0)
         surface = surface[np.isin(rider.part[surface], range(SKIN, SKIN + 4))]
         bare = rider.chosen(surface)
         color = rider.color.copy()
-        color[surface] = refined(bare.color, views_of(shader, bare))
+        color[surface] = refined(bare.color, views_of(shader, bare), _reach(head, bare))
         rider = rider.colored(color)
     return Subject(person, shader, rider)
+
+
+def _reach(head: Head, bare: Rider) -> Floats:
+    """[N] how far refinement may change a colour: hardly around the mouth.
+
+    There a splat at the rim of one expression, lent the white of the teeth, would be a speck in all others.
+    """
+    canvas = (head.canvas[bare.corners] * bare.weights[..., None]).sum(1)
+    off_center = (canvas - MOUTH_CENTER) / MOUTH_SIZE
+    around = (off_center**2).sum(1) < 1
+    return np.where(around | np.isin(bare.part, (TEETH, TONGUE)), 0.03, 1.0)
 
 
 def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:

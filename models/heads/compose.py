@@ -71,10 +71,10 @@ def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
     density = np.where(shader.scalp[corners].mean(1) > 0.6, 0.28, density)
     collar = collar_height(position)
     density = np.where(collar < 0, 0.2, density) + 2.0 * np.exp(-((collar / 0.006) ** 2))
-    density = np.where(sample_map(shader.maps.mouth, uv)[:, 0] > 0.5, 1.4, density)
+    density = np.where(sample_map(shader.maps.mouth, uv)[:, 0] > 0.5, 0.5, density)
     density = np.where(skin, density, 0)
     density[head.parts == EYES] = 12.0
-    density[head.parts == TEETH] = 9.0
+    density[head.parts == TEETH] = 7.0
     density[head.parts == TONGUE] = 3.0
     rest = _areas(head.vertices, corners)
     grown = np.ones(len(corners))

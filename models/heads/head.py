@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from ...render.camera import Camera
 from ..arkit import NAMES
 from .ingredients import Ingredients
+from .lips import CORNER, LOWER, MIDDLE, PURSES, hollowed, mouth_light, pursed
 from .maps import load_map, sample_map
 from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
 from .meshview import see
 from .people import Person
 from .proxies import Proxy, load_proxy
+from .teeth import carried, make_arches
 
 Floats = NDArray[np.floating]
 
@@ -71,6 +73,8 @@ class Head:
     """[V] 0 or 1 for vertices of the left or right eyeball, else -1."""
     lid_of_vertex: NDArray[np.int8]
     """[V] 0 or 1 for skin that slides over that eyeball, else -1."""
+    lip_rim: NDArray[np.int64]
+    """[3] vertices: the left corner of the mouth, the middles of the upper and of the lower lip's edge."""
 
     def pose(self, weights: Floats) -> NDArray[np.float32]:
         """Vertices [V, 3] of the face with ARKit ``weights`` [52]."""
@@ -84,6 +88,15 @@ class Head:
             reach = np.linalg.norm(offset, axis=1, keepdims=True)
             posed[lid] = center + offset * np.maximum(1, self.eye_radius * LID_CLEARANCE / np.maximum(reach, 1e-6))
         return posed.astype(np.float32)
+
+    def mouth_light(self, posed: Floats) -> float:
+        """Share in [0, 1] of the light outside that reaches the incisors of a pose [V, 3]."""
+        return mouth_light(posed[self.lip_rim], self._incisors)
+
+    @cached_property
+    def _incisors(self) -> float:
+        """How far forward the teeth reach at rest, metres."""
+        return float(self.vertices[np.unique(self.triangles[self.parts == TEETH]), 2].max())
 
     @cached_property
     def normals(self) -> NDArray[np.float32]:
@@ -113,11 +126,18 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         weight * load_target(ingredients.mpfb / "targets" / f"{path}.target.gz", count)
         for path, weight in person.targets.items()
     )
-    units = np.stack(
-        [GAIN.get(name, 1.0) * load_target(ingredients.face_units / f"{name}.target", count) for name in NAMES]
+    units = (
+        np.stack([load_target(ingredients.face_units / f"{name}.target", count) for name in NAMES])
+        * np.array([GAIN.get(name, 1.0) * person.gain.get(name, 1.0) for name in NAMES])[:, None, None]
     )
+    is_flesh = np.zeros(count, bool)
+    is_flesh[np.unique(base.quads[groups == "body"])] = True
     for side in ("Left", "Right"):
         units[NAMES.index(f"eyeBlink{side}")] *= blink
+    jaw_open = units[NAMES.index("jawOpen")]
+    for name, shape in PURSES.items():
+        unit = units[NAMES.index(name)]
+        units[NAMES.index(name)] = np.where(is_flesh[:, None], pursed(shape, unit, body, jaw_open), unit)
     rest = sum(weight * units[NAMES.index(name)] for name, weight in person.rest.items())
 
     is_body = groups == "body"
@@ -127,7 +147,7 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
     coarse = QuadMesh(body[used], base.texture, index.reshape(-1, 4), base.texture_quads[kept])
     matrix, fine = subdivide(coarse)
 
-    flesh = body + rest
+    flesh = hollowed(body + rest, base, _inside_mouth(base, is_flesh, ingredients))
     proxy_root = ingredients.makehuman / "proxies"
     proxies: list[tuple[int, Proxy]] = [
         (EYES, _without_cornea(load_proxy(proxy_root / "eyes/HighPolyEyes/HighPolyEyes.json"), proxy_root)),
@@ -154,13 +174,19 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
             fitted[:, 1] -= np.where(jaw, LOWER_TEETH_DROP, UPPER_TEETH_DROP)
         elif part == TONGUE:
             fitted += TONGUE_SHIFT
+        faces, paint, typical = proxy.triangles, proxy.texture, proxy.fit(base.vertices)
+        if part == TEETH:
+            arches = make_arches(fitted, jaw)
+            moves = carried(fitted, moves, jaw, arches)
+            fitted, faces, paint = arches.vertices, arches.triangles, arches.texture
+            typical = make_arches(typical, jaw).vertices
         vertices.append(fitted)
         deltas.append(moves)
-        average.append(proxy.fit(base.vertices))
-        triangles.append(proxy.triangles + start)
-        texture.append(proxy.texture)
-        parts.append(np.full(len(proxy.triangles), part))
-        start += len(proxy.refs)
+        average.append(typical)
+        triangles.append(faces + start)
+        texture.append(paint)
+        parts.append(np.full(len(faces), part))
+        start += len(fitted)
     points = np.concatenate(vertices)
     eye_count = len(proxies[0][1].refs)
     faces = np.concatenate(triangles)
@@ -201,6 +227,7 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         eye_radius=radius / 10,
         eye_of_vertex=eye_of_vertex,
         lid_of_vertex=lid,
+        lip_rim=np.searchsorted(used, (CORNER, MIDDLE, LOWER)),
     )
 
 
@@ -211,6 +238,14 @@ def _between_ears(base: QuadMesh, body: Floats, is_body: NDArray[np.bool_], ingr
     marked = sample_map(mask, base.texture[base.texture_quads[quads]].mean(1))[:, 0] > 0.5
     ears = body[np.unique(base.quads[quads[marked]])]
     return np.array([0.0, *ears.mean(0)[1:]])
+
+
+def _inside_mouth(base: QuadMesh, is_flesh: NDArray[np.bool_], ingredients: Ingredients) -> Floats:
+    """[V] in [0, 1]: the walls of the mouth as MakeHuman's mask marks them."""
+    mask = load_map(ingredients.mpfb / "textures" / "mpfb_inside-mouth.jpg")
+    inside = np.zeros(len(base.vertices))
+    inside[base.quads] = sample_map(mask, base.texture[base.texture_quads].reshape(-1, 2))[:, 0].reshape(-1, 4)
+    return inside * is_flesh
 
 
 def _without_cornea(eyes: Proxy, proxy_root: Path) -> Proxy:

@@ -24,6 +24,8 @@ KEY = np.array(LAMPS[0][0]) / np.linalg.norm(LAMPS[0][0])
 BOUNCE = np.array([0.34, 0.23, 0.19])
 """What a blocked direction still sends: light from other skin."""
 THROUGH_HAIR = 0.35
+TEETH_LIGHT = (0.60, 0.80)
+"""Bounds of the irradiance on teeth: how it falls off inside the mouth is painted (see teeth.paint_teeth)."""
 SPREAD_M = (0.0042, 0.0019, 0.0012)
 """How far red, green and blue travel under the skin."""
 
@@ -114,7 +116,7 @@ def spread_under_skin(head: Head, light: Floats) -> Floats:
 
 def bake(
     head: Head,
-    poses: tuple[Floats, Floats],
+    poses: tuple[Floats, Floats, Floats],
     cards: NDArray[np.bool_],
     mouth: Floats,
     lids: Floats,
@@ -122,25 +124,23 @@ def bake(
 ) -> Floats:
     """Irradiance [V, 3] that serves all expressions.
 
-    ``poses`` are the vertices [V, 3] with the mouth open and with the eyes shut; ``cards`` [F] is opaque hair;
-    ``mouth``, ``lids`` and
-    ``lips`` [V] in [0, 1] say how far a vertex takes its light from these poses.
+    ``poses`` are the vertices [V, 3] with the mouth open, with the eyes shut, and with the lips pursed; ``cards`` [F]
+    is opaque hair; ``mouth``, ``lids`` and ``lips`` [V] in [0, 1] say how far a vertex takes its light from these.
     """
-    pose_open, pose_shut = poses
+    pose_open, pose_shut, pose_pursed = poses
     neutral = irradiance(head, head.vertices, cards)
     opened = irradiance(head, pose_open, cards)
     shut = irradiance(head, pose_shut, cards)
+    turned_out = irradiance(head, pose_pursed, cards)
     part = part_of_vertex(head)
     inside = np.maximum(mouth, np.isin(part, (TEETH, TONGUE)))[:, None]
     light = neutral + inside * (opened - neutral)
-    light += 0.45 * lips[:, None] * (1 - inside) * (opened - neutral)
+    light += 0.55 * lips[:, None] * (1 - inside) * np.maximum(turned_out - neutral, 0)
     light += 0.6 * lids[:, None] * (shut - neutral)
     eyes = part == EYES
     light[eyes] = np.maximum(light[eyes] * np.clip(light[eyes].mean(1, keepdims=True), 0.5, 1), 0.28)
     teeth = part == TEETH
-    depth = head.vertices[teeth, 2:].max() - head.vertices[teeth, 2:]
-    bright = np.clip(0.62 - 25 * depth, 0.10, 0.62)  # the front row catches light that the rays miss
-    light[teeth] = np.clip(1.6 * light[teeth], bright, 0.4 + 1.6 * bright)
+    light[teeth] = np.clip(light[teeth], *TEETH_LIGHT)
     return spread_under_skin(head, light)
 
 

@@ -46,6 +46,8 @@ class Person:
     """sRGB"""
     hair: Hair
     seed: int
+    splats: int = 22_000
+    """As many as keep the file, with its regressor, within 8 MB; hair, which hardly moves, costs little."""
     brow_lift: float = 0.0025
     """Metres by which the brows' inner ends are raised."""
     skin_gain: Rgb = (1.0, 1.0, 1.0)
@@ -62,12 +64,19 @@ class Person:
     """Colour of the T-shirt, sRGB."""
     rest: dict[str, float] = field(default_factory=dict)
     """ARKit weights that belong to the neutral face: a relaxed, friendly look."""
+    gain: dict[str, float] = field(default_factory=dict)
+    """Factors on this face's ARKit shapes, over those of ``head.GAIN``."""
 
 
 def _both(path: str, weight: float) -> dict[str, float]:
     """The same target on the left and on the right."""
     folder, name = path.split("/")
     return {f"{folder}/l-{name}": weight, f"{folder}/r-{name}": weight}
+
+
+def _paired(factors: dict[str, float]) -> dict[str, float]:
+    """The same factor for the left and the right shape."""
+    return {f"{name}{side}": factor for name, factor in factors.items() for side in ("Left", "Right")}
 
 
 def _macro(race: dict[str, float], sex: dict[str, float], age: dict[str, float]) -> dict[str, float]:
@@ -81,33 +90,59 @@ def _macro(race: dict[str, float], sex: dict[str, float], age: dict[str, float])
     return macro
 
 
-FRIENDLY = {
-    "browInnerUp": 0.20,
+RELAXED = {
     "mouthClose": 0.035,
     "browOuterUpLeft": 0.12,
     "browOuterUpRight": 0.12,
-    "eyeWideLeft": 0.20,
-    "eyeWideRight": 0.20,
-    "mouthSmileLeft": 0.10,
-    "mouthSmileRight": 0.10,
+    "eyeWideLeft": 0.25,
+    "eyeWideRight": 0.25,
+    "mouthSmileLeft": 0.12,
+    "mouthSmileRight": 0.12,
 }
+"""Awake and friendly: lids a little higher and mouth corners a little up."""
 
 MARA = Person(
     name="mara",
-    targets=_macro({"caucasian": 0.8, "asian": 0.2}, {"female": 0.95, "male": 0.05}, {"young": 1.0}),
+    targets=_macro({"caucasian": 0.8, "asian": 0.2}, {"female": 0.95, "male": 0.05}, {"young": 1.0})
+    | _both("cheek/cheek-volume-decr", 0.6)
+    | _both("eyes/eye-scale-incr", 0.4)
+    | {
+        "head/head-fat-decr": 0.6,
+        "head/head-invertedtriangular": 0.3,
+        "head/head-scale-horiz-decr": 0.25,
+        "chin/chin-width-decr": 0.4,
+        "nose/nose-scale-horiz-decr": 0.4,
+        "nose/nose-point-up": 0.3,
+        "eyebrows/eyebrows-trans-up": 0.5,
+        "mouth/mouth-angles-up": 0.35,
+    },
     skin="young_caucasian_female/textures/young_lightskinned_female_diffuse.png",
     eye="green",
-    brow="eyebrow001",
+    brow="eyebrow002",
     brow_color=(0.36, 0.215, 0.145),
     hair=Hair("long01", (0.30, 0.155, 0.09), (0.56, 0.32, 0.18), gloss=0.6, combed=True),
     seed=11,
+    splats=23_400,
     freckles=0.6,
-    rest=FRIENDLY,
+    brow_lift=0.0032,
+    rest=RELAXED
+    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.16, "mouthSmileRight": 0.16}
+    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0},
+    gain=_paired({"mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}),
 )
 
 THEO = Person(
     name="theo",
-    targets=_macro({"caucasian": 1.0}, {"male": 1.0}, {"young": 0.15, "old": 0.85}),
+    targets=_macro({"caucasian": 1.0}, {"male": 1.0}, {"young": 0.15, "old": 0.85})
+    | _both("eyes/eye-scale-incr", 0.25)
+    | {
+        "eyebrows/eyebrows-trans-up": 0.95,
+        "mouth/mouth-upperlip-volume-incr": 0.4,
+        "mouth/mouth-lowerlip-volume-incr": 0.4,
+        "mouth/mouth-upperlip-height-incr": 0.45,
+        "mouth/mouth-lowerlip-height-incr": 0.35,
+        "mouth/mouth-angles-up": 0.3,
+    },
     skin="middleage_caucasian_male/textures/middleage_lightskinned_male_diffuse.png",
     eye="lightblue",
     brow="eyebrow009",
@@ -117,17 +152,22 @@ THEO = Person(
     lip=(0.60, 0.40, 0.36),
     stubble=0.45,
     wrinkles=1.0,
-    brow_lift=0.0,
-    rest=FRIENDLY | {"browInnerUp": 0.05, "mouthSmileLeft": 0.20, "mouthSmileRight": 0.20},
+    brow_lift=0.002,
+    rest=RELAXED | {"mouthSmileLeft": 0.18, "mouthSmileRight": 0.18},
+    gain=_paired({"browOuterUp": 1.4, "mouthUpperUp": 2.1, "mouthFrown": 1.6}) | {"browInnerUp": 1.25},
 )
 
 JONAH = Person(
     name="jonah",
     targets=_macro({"african": 1.0}, {"male": 1.0}, {"young": 1.0})
     | {
-        "mouth/mouth-scale-horiz-incr": 0.35,
-        "mouth/mouth-lowerlip-volume-decr": 0.3,
-        "mouth/mouth-upperlip-volume-decr": 0.3,
+        "mouth/mouth-scale-horiz-incr": 0.5,
+        "mouth/mouth-scale-depth-decr": 0.7,
+        "mouth/mouth-lowerlip-volume-decr": 0.7,
+        "mouth/mouth-upperlip-volume-decr": 0.7,
+        "mouth/mouth-lowerlip-height-decr": 0.2,
+        "mouth/mouth-upperlip-height-decr": 0.2,
+        "eyebrows/eyebrows-trans-up": 0.2,
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
     eye="brown",
@@ -135,9 +175,10 @@ JONAH = Person(
     brow_color=(0.07, 0.05, 0.045),
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
     seed=37,
-    lip=(0.40, 0.235, 0.215),
+    lip=(0.35, 0.205, 0.19),
     stubble=0.35,
-    rest=FRIENDLY,
+    rest=RELAXED,
+    gain={"browInnerUp": 1.3, "mouthPucker": 1.15},
 )
 
 LIN = Person(
@@ -150,7 +191,7 @@ LIN = Person(
     hair=Hair("ponytail01", (0.09, 0.07, 0.065), (0.22, 0.17, 0.14), gloss=0.8),
     seed=51,
     brow_lift=0.0045,
-    rest=FRIENDLY,
+    rest=RELAXED,
 )
 
 AVATARS = (MARA, THEO, JONAH)

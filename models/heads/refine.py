@@ -71,9 +71,13 @@ def views_of(shader: Shader, rider: Rider, size: int = 400, supersample: int = 2
     return views
 
 
-def refined(colors: Floats, views: Sequence[View], steps: int = 8) -> NDArray[np.float32]:
-    """Colours [N, 3] after ``steps`` of c += 1.6 W^T residual / W^T 1, W the splats' weights in all views."""
+def refined(colors: Floats, views: Sequence[View], reach: Floats, steps: int = 8) -> NDArray[np.float32]:
+    """Colours [N, 3] after ``steps`` of c += 1.6 W^T residual / W^T 1, W the splats' weights in all views.
+
+    No colour ends further than ``reach`` [N] from where it began.
+    """
     colors = colors.astype(np.float64)
+    low, high = np.clip(colors - reach[:, None], 0, 1), np.clip(colors + reach[:, None], 0, 1)
     blends = [_weights(view) for view in views]
     targets = [view.target[view.covered].astype(np.float64) for view in views]
     mass = np.sum([np.asarray(blend.sum(0)).ravel() for blend in blends], axis=0)
@@ -82,7 +86,7 @@ def refined(colors: Floats, views: Sequence[View], steps: int = 8) -> NDArray[np
         push = np.zeros_like(colors)
         for blend, target in zip(blends, targets, strict=True):
             push += blend.T @ (target - blend @ colors)
-        colors[seen] = np.clip(colors[seen] + STEP * push[seen] / mass[seen, None], 0, 1)
+        colors[seen] = np.clip(colors[seen] + STEP * push[seen] / mass[seen, None], low[seen], high[seen])
     return colors.astype(np.float32)
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arkit import NAMES
 from .brows import BrowMap, paint_brows
 from .expressions import weights_of
 from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
@@ -15,7 +14,8 @@ from .light import KEY, bake, part_of_vertex
 from .maps import encoded, linear, load_map, sample_map
 from .noise import value_noise
 from .people import Person
-from .skin import SkinMaps, albedo, load_skin_maps, points_of
+from .skin import SkinMaps, albedo, load_skin_maps, mouth_shade, points_of
+from .teeth import paint_teeth
 
 Floats = NDArray[np.floating]
 
@@ -23,13 +23,9 @@ EXPOSURE = 0.92
 IRIS_RAD = 0.405
 """Half angle of the iris, from the eyeball's centre."""
 PUPIL_RAD = 0.155
-CROWN = 0.0105
-"""Metres of tooth that may show above the tip."""
-TOOTH_GAPS = (0.0, 0.0078, 0.0138, 0.0186, 0.0222)
-"""Metres from the middle."""
 IRIS_COLORS = {
     "green": (0.33, 0.36, 0.22),
-    "lightblue": (0.36, 0.47, 0.56),
+    "lightblue": (0.37, 0.45, 0.51),
     "brown": (0.25, 0.135, 0.07),
     "blue": (0.24, 0.36, 0.52),
 }
@@ -47,10 +43,6 @@ class Shader:
     """[V, 3] irradiance after subsurface scattering."""
     scalp: NDArray[np.floating]
     """[V] in [0, 1]: skin under the hair."""
-    tooth_tip: float
-    """Height of the upper incisors' edge, metres."""
-    arch: NDArray[np.floating]
-    """[2, B] distance from the middle, and how far forward the upper teeth reach there, metres."""
     teeth_map: NDArray[np.floating]
     tongue_map: NDArray[np.floating]
 
@@ -74,35 +66,16 @@ class Shader:
         on = part == EYES
         base[on] = self._eyes(faces[on], weights[on])
         on = part == TEETH
-        base[on], sheen[on] = self._teeth(uv[on], position[on], corners[on])
+        base[on], sheen[on] = sample_map(self.teeth_map, uv[on]), 0.12
         on = part == TONGUE
         base[on] = linear(sample_map(self.tongue_map, uv[on])[:, :3]) * np.array([0.50, 0.40, 0.42])
+        base[on] *= mouth_shade(canvas[on])[:, None]
         sheen[on] = 0.25
         bump = np.stack([value_noise(canvas, 1.6e-3, self.person.seed + 40 + k) for k in range(3)], 1)
         bent = normal + 0.05 * bump * (part == SKIN)[:, None]
         bent /= np.linalg.norm(bent, axis=1, keepdims=True)
         shine = sheen * _sheen(bent) * np.clip(light.mean(1) / 1.2, 0, 1)
         return np.clip(tone(EXPOSURE * base * light + shine[:, None] * np.array([1.0, 0.97, 0.94])), 0, 1)
-
-    def _teeth(self, uv: Floats, position: Floats, corners: NDArray[np.int64]) -> tuple[Floats, Floats]:
-        """Linear albedo [N, 3] and gloss [N] of teeth and gums.
-
-        MakeHuman's upper gums reach down to the tips: CROWN metres above these they are painted as crowns, with gaps.
-        """
-        color = linear(sample_map(self.teeth_map, uv)[:, :3])
-        gum = np.clip((color[:, :1] - 1.25 * color[:, 1:2]) / 0.1, 0, 1)
-        upper = np.linalg.norm(self.head.deltas[NAMES.index("jawOpen"), corners[:, 0]], axis=1) < 1e-5
-        above_tip = (position[:, 1] - self.tooth_tip)[:, None]
-        reach = CROWN + 0.35 * np.clip(np.abs(position[:, :1]) - 0.008, 0, 0.02)
-        front = np.interp(np.abs(position[:, 0]), self.arch[0], self.arch[1])
-        outer = np.clip((position[:, 2] - front + 0.004) / 0.001, 0, 1)[:, None]
-        crown = np.clip((reach - above_tip) / 0.001, 0, 1) * outer * upper[:, None]
-        gap = np.min([np.abs(np.abs(position[:, 0]) - x) for x in TOOTH_GAPS], axis=0)
-        line = np.exp(-((gap / 0.0004) ** 2))[:, None]
-        enamel = np.array([0.86, 0.81, 0.72]) * (0.80 + 0.20 * np.minimum(color.mean(1, keepdims=True) / 0.6, 1))
-        painted = np.array([0.80, 0.75, 0.66]) * (1 - 0.35 * line)
-        gums = np.array([0.42, 0.15, 0.14]) + crown * (painted - np.array([0.42, 0.15, 0.14]))
-        return enamel + gum * (gums - enamel), np.full(len(uv), 0.5)
 
     def _eyes(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
         """Linear albedo of sclera, iris and pupil."""
@@ -130,7 +103,7 @@ class Shader:
         tint = tint + pupil * (0.006 - tint)
         outward = np.clip((angle - 0.55) / 0.7, 0, 1)[:, None]
         veins = np.clip(value_noise(ring * 2 + offset * 6, 0.5, self.person.seed + 2), 0, 1)[:, None]
-        sclera = np.array([0.60, 0.585, 0.565]) * (1 - outward * np.array([0.12, 0.26, 0.28]))
+        sclera = np.array([0.54, 0.527, 0.51]) * (1 - outward * np.array([0.12, 0.26, 0.28]))
         sclera = sclera * (1 - veins * outward * np.array([0.02, 0.14, 0.14]))
         edge = np.clip((angle - IRIS_RAD) / 0.05 + 0.5, 0, 1)[:, None]
         return tint + edge * (sclera - tint)
@@ -177,6 +150,7 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
         (
             head.pose(weights_of(jawOpen=0.75, mouthUpperUp=0.3, mouthLowerDown=0.3)),
             head.pose(weights_of(eyeBlink=1.0)),
+            head.pose(weights_of(mouthPucker=0.6, mouthFunnel=0.4)),
         ),
         cards,
         mouth,
@@ -191,9 +165,7 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
         brows=paint_brows(person, ingredients),
         light=light,
         scalp=_under_hair(head, ears, cards),
-        tooth_tip=_tooth_tip(head),
-        arch=_dental_arch(head),
-        teeth_map=load_map(proxies / "teeth/Teeth_Base/textures/teeth.png"),
+        teeth_map=paint_teeth(),
         tongue_map=load_map(proxies / "tongue/tongue01/textures/tongue01_diffuse.png"),
     )
 
@@ -201,26 +173,6 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
 def hair_texture(person: Person, ingredients: Ingredients) -> Path:
     """The picture on the person's hair cards."""
     return min((ingredients.makehuman / "proxies/hair" / person.hair.proxy / "textures").glob("*.png"))
-
-
-def _upper_teeth(head: Head) -> Floats:
-    """[T, 3] the vertices of teeth and gums that the jaw does not carry."""
-    teeth = np.unique(head.triangles[head.parts == TEETH])
-    return head.vertices[teeth[np.linalg.norm(head.deltas[NAMES.index("jawOpen"), teeth], axis=1) < 1e-5]]
-
-
-def _tooth_tip(head: Head) -> float:
-    """Height of the upper incisors' edge: the lowest vertex in front."""
-    upper = _upper_teeth(head)
-    return float(upper[np.abs(upper[:, 0]) < 0.008, 1].min())
-
-
-def _dental_arch(head: Head) -> Floats:
-    """[2, B] distances from the middle and how far forward the upper teeth reach there."""
-    upper = _upper_teeth(head)
-    distance = np.arange(0.001, 0.027, 0.002)
-    reach = [upper[np.abs(np.abs(upper[:, 0]) - d) < 0.0015, 2].max(initial=-1) for d in distance]
-    return np.stack([distance, np.minimum.accumulate(reach)])
 
 
 def _under_hair(head: Head, ears: Floats, cards: NDArray[np.bool_]) -> Floats:

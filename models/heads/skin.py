@@ -114,7 +114,7 @@ def albedo(
     color += np.clip(scalp, 0, 1)[:, None] * (roots * (1 + 0.25 * grain[:, None]) - color)
 
     mouth = sample_map(maps.mouth, uv)[:, 0]
-    color += mouth[:, None] * (np.array([0.20, 0.055, 0.05]) - color)
+    color += mouth[:, None] * (np.array([0.20, 0.055, 0.05]) * mouth_shade(canvas)[:, None] - color)
     oil = (
         0.55
         + 0.5 * _blob(canvas, 0, -35, 13, 30)
@@ -123,6 +123,11 @@ def albedo(
     )
     oil = (oil + 0.8 * lips) * (1 - 0.9 * scalp) * (1 + 0.25 * fine + 0.25 * grain * pores) * (1 - mouth)
     return np.clip(color, 0.003, 0.95), np.clip(oil, 0, 2)
+
+
+def mouth_shade(canvas: Floats) -> Floats:
+    """[N] in [0, 1]: how dark the mouth is at a depth; what falls in between the lips hardly reaches the throat."""
+    return np.clip((canvas[:, 2] / MM + 22) / 48, 0.2, 1) ** 1.5
 
 
 def beard_area(canvas: Floats) -> Floats:

@@ -22,6 +22,9 @@ UNDERCOAT = 0.36
 HAIR_BOTTOM = -0.235
 """Metres: long hair ends here, above the picture's lower edge."""
 
+LASH_END = 0.0475
+"""Metres from the canvas's middle: the outer corner of the eye, past which the cards fan out."""
+
 
 def hair_rider(
     head: Head, person: Person, ingredients: Ingredients, light: Floats, count: int, rng: np.random.Generator
@@ -67,6 +70,8 @@ def hair_rider(
     long = radius * np.where(
         under, 1.3, person.hair.length * np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius)
     )
+    # Straight strands stand off the round crown, where they would fray the silhouette.
+    long *= 1 - 0.45 * np.clip(outward[:, 1] / 0.7, 0, 1) * person.hair.combed
     sigma = np.stack([long, thin, np.minimum(0.5 * thin, 0.5e-3)], 1)
     lift = side * (person.hair.grow + np.where(under, -1.2e-3, rng.uniform(-0.5e-3, 1.5e-3, len(face))))
     linear_color *= np.where(under, 0.62, 1.0)[:, None]
@@ -117,7 +122,8 @@ def lash_rider(head: Head, person: Person, ingredients: Ingredients, count: int,
     face = faces[chosen]
     uv, _, _ = points_of(head, face, weights)
     alpha = sample_map(image, uv)[:, 3]
-    kept = np.flatnonzero(alpha > 0.5)
+    position = (head.canvas[head.triangles[face]] * weights[..., None]).sum(1)
+    kept = np.flatnonzero((alpha > 0.5) & (np.abs(position[:, 0]) < LASH_END))
     kept = np.sort(kept[rng.permutation(len(kept))[:count]])
     face, weights, uv = face[kept], weights[kept], uv[kept]
     direction = _texture_direction(head, face, uv, strokes(image, 1.5))

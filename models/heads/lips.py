@@ -1,0 +1,80 @@
+"""Pursed lips: what pucker and funnel need beyond MakeHuman's shapes, which hardly narrow the mouth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .mesh import QuadMesh, triangulate, vertex_normals
+
+Floats = NDArray[np.floating]
+
+CORNER, MIDDLE, LOWER = 7184, 474, 493
+"""Vertices of the base mesh: the left corner of the mouth, and the middles of the lips' edges."""
+JAW_DROP = 0.34
+"""Decimetres that jawOpen lowers the lower lip; the share of it says how far a point belongs to that lip."""
+
+WALL = 0.028
+"""Decimetres by which the mouth's walls are drawn back."""
+
+
+@dataclass(frozen=True)
+class Purse:
+    """How one shape purses the lips, at weight 1."""
+
+    narrow: float
+    """Share of the mouth's width that is lost."""
+    forward: float
+    """Decimetres the lips are pushed out."""
+    up: float = 0.0
+    """Decimetres the upper lip rises in the middle: the upper half of a round opening."""
+    down: float = 0.0
+    """Decimetres the lower lip sinks in the middle."""
+    full: float = 0.0
+    """Share by which the red of the lips swells in height."""
+    kept: float = 1.0
+    """Share of MakeHuman's own vertical motion that stays; the funnel's opens a rhombus."""
+
+
+PURSES = {
+    "mouthPucker": Purse(narrow=0.20, forward=0.02, full=0.12),
+    "mouthFunnel": Purse(narrow=0.28, forward=0.03, up=0.035, down=0.05, kept=0.4),
+}
+
+
+def pursed(shape: Purse, unit: Floats, body: Floats, jaw_open: Floats) -> Floats:
+    """MakeHuman's displacement ``unit`` [V, 3] of the base mesh ``body`` [V, 3], with the lips pursed; decimetres.
+
+    ``jaw_open`` [V, 3] is the displacement of jawOpen.
+    """
+    half = body[CORNER, 0]
+    x, y = body[:, 0] / half, (body[:, 1] - body[CORNER, 1]) / half
+    depth = body[MIDDLE, 2] - body[:, 2]
+    near = np.exp(-((x / 1.45) ** 4) - (y / 0.85) ** 4) * np.clip(1.6 - depth / 0.2, 0, 1)
+    lips = np.exp(-((x / 1.1) ** 4) - (y / 0.5) ** 4) * np.clip(1.5 - depth / 0.2, 0, 1)
+    lower = np.clip(-jaw_open[:, 1] / JAW_DROP, 0, 1)
+    round_opening = np.sqrt(np.clip(1 - x**2, 0, 1))
+    across = -shape.narrow * body[:, 0] * near
+    upward = (shape.up * (1 - lower) - shape.down * lower) * round_opening * near + shape.full * half * y * lips
+    ahead = shape.forward * near * np.exp(-(x**2))
+    return unit * np.array([1, shape.kept, 1]) + np.stack([across, upward, ahead], 1)
+
+
+def hollowed(body: Floats, base: QuadMesh, inside: Floats) -> Floats:
+    """The body [V, 3] with the walls of its mouth, ``inside`` [V] in [0, 1], drawn back from lips and cheeks.
+
+    MakeHuman's cheeks are so thin that the walls would show through the folds of a pursed mouth.
+    """
+    return body + WALL * inside[:, None] * vertex_normals(body, triangulate(base.quads))
+
+
+def mouth_light(rim: Floats, teeth: float) -> float:
+    """Share in [0, 1] of the light outside that reaches the incisors.
+
+    The form factor of a disc as large as the opening, r^2 / (r^2 + d^2), seen from its axis at the depth d of the teeth
+    behind the lips. ``rim`` [3, 3] are CORNER, MIDDLE and LOWER of the posed lips, ``teeth`` the incisors' z.
+    """
+    corner, upper, lower = rim
+    radius_squared = max(float(corner[0] * (upper[1] - lower[1])), 0.0) / 2
+    depth = max(float(upper[2]) - teeth, 2e-3)
+    return radius_squared / (radius_squared + depth**2)
