@@ -57,11 +57,9 @@ def examine() -> Iterator[Finding]:
     yield from _avatars()
     found = DEMO_CLIP.is_file()
     yield Finding("demo clip", found, str(DEMO_CLIP), "git checkout assets/demo", needed=False)
-    from .demo import has_display
+    from .doctor_live import examine_live
 
-    yield Finding(
-        "display", has_display(), "there" if has_display() else "none; results are written to files", needed=False
-    )
+    yield from examine_live()
 
 
 _OPENGL_CURE = "install OpenGL (Debian, Ubuntu: apt-get install libegl1 libgl1 libgl1-mesa-dri)"
@@ -114,7 +112,7 @@ def _speed(name: str) -> str:
 def _providers() -> str:
     import onnxruntime
 
-    return f"used: CPUExecutionProvider; available: {', '.join(onnxruntime.get_available_providers())}"
+    return f"available: {', '.join(onnxruntime.get_available_providers())}"
 
 
 def _networks() -> str:

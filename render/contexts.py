@@ -29,8 +29,8 @@ def offscreen_context() -> moderngl.Context:
     raise NoOpenGLError(f"no OpenGL 3.3 without a window ({'; '.join(reasons)}); {_CURE}")
 
 
-def window_context(width: int, height: int, title: str) -> tuple[Any, moderngl.Context]:
-    """A visible glfw window (its handle), ``width`` x ``height`` screen units, and its context, current in this thread.
+def window_context(width: int, height: int, title: str, visible: bool = True) -> tuple[Any, moderngl.Context]:
+    """A glfw window (its handle), ``width`` x ``height`` screen units, and its context, current in this thread.
 
     The caller destroys the window and terminates glfw.
 
@@ -46,6 +46,7 @@ def window_context(width: int, height: int, title: str) -> tuple[Any, moderngl.C
         (glfw.CONTEXT_VERSION_MINOR, 3),
         (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
         (glfw.OPENGL_FORWARD_COMPAT, True),  # macOS gives 3.3 only so
+        (glfw.VISIBLE, visible),
     )
     for hint, value in hints:
         glfw.window_hint(hint, value)

@@ -75,6 +75,11 @@ class FaceTracker:
         self._region: Region | None = None
         self._last_box: Box | None = None
 
+    @property
+    def providers(self) -> tuple[str, ...]:
+        """What the landmark network runs on, the first choice first: to be compared with ``networks.PROVIDERS``."""
+        return self._landmarks.providers
+
     def track(self, rgb: NDArray[np.uint8], locked: Box | None = None) -> FaceObservation | None:
         """The followed face in an image [H, W, 3] of RGB bytes; None when there is none.
 

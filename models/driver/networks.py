@@ -21,6 +21,9 @@ SHA256 = {
 }
 """What each file must hash to: features, neutrals and regressors are only valid with exactly these networks."""
 
+PROVIDERS = ("CPUExecutionProvider",)
+"""What onnxruntime is asked to run the networks on, the first choice first."""
+
 
 class NetworkError(RuntimeError):
     """A network is missing, is not the one this version was made with, or cannot be run."""
@@ -56,7 +59,7 @@ def open_session(model: bytes, what: str) -> ort.InferenceSession:
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     options.add_session_config_entry("session.inter_op.allow_spinning", "0")
     try:
-        return ort.InferenceSession(model, options, providers=["CPUExecutionProvider"])
+        return ort.InferenceSession(model, options, providers=list(PROVIDERS))
     except Exception as error:  # onnxruntime raises a dozen unrelated classes
         raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {str(error)[:300]}") from error
 
@@ -68,6 +71,8 @@ class Network:
         """Opens ``folder/name``; calling it returns ``outputs`` in this order. Raises NetworkError."""
         self._session = open_session(read_checked(folder, name), str(folder / name))
         self._outputs = list(outputs)
+        self.providers: tuple[str, ...] = tuple(self._session.get_providers())
+        """What it does run on, the first choice first."""
 
     def __call__(self, values: NDArray[np.float32]) -> list[NDArray[np.float32]]:
         """The outputs asked for at opening."""
