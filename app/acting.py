@@ -15,8 +15,6 @@ from ..models.driver.smoothing import Smoothed
 from .casting import Avatar, expression_of
 from .errors import InputError
 from .following import (
-    EXPRESSION_FILTER,
-    TURN_FILTER,
     Actor,
     Express,
     Memory,
@@ -35,14 +33,13 @@ from .seeing import lock_next, observe, sketch_of
 from .settling import Settling, settle
 from .shots import Observed, Shot
 from .state import Phase, update
-from .tuning import NOTCH, Tuning, gain_matrix, smoother
+from .tuning import Tuning, actor_for
 
 _TICK = Fraction(1, 1_000_000)
 LONGEST_DT = 1.0
 """Seconds; a longer gap, or one that goes back, is a jump in the source: then the clock says how much time went by."""
 FOR_GOOD = 60.0
 """Seconds after which everything that eases has arrived."""
-_NOBODY = NeutralChoice(0, 0.0, np.zeros(0, np.float32), np.zeros(3), "", ())
 
 
 class Acting:
@@ -126,7 +123,8 @@ class Acting:
         if not exact and self._passed_by < self._tuning.detector_every:
             return None
         self._passed_by = 0
-        started, dt = self._clock(), self._elapsed(frame.seconds)
+        started = self._clock()
+        dt = self._elapsed(frame.seconds, started)
         before = self._prepared(frame.rgb, live, exact)
         timed = Frame(frame.rgb, round(((before.seconds or 0.0) + dt) / _TICK), _TICK)
         memory, seen = look(self._tracker, before, timed)
@@ -138,6 +136,7 @@ class Acting:
             memory = follow(self._with_neutral(), memory, seen.face, 0.0 if exact else dt)
             memory = count_faces(self._tracker, memory, timed)
             observed = observe(seen.face, frame.rgb, memory.faces)
+        self._pass(frame.seconds, started)
         self._memory, pose = act(self._actor, memory, seen.face is not None, seen.cut)
         self._look_for_hints(observed, dt, rate)
         stages = {"read": started - delivered, "track": tracked - started, "express": self._clock() - tracked}
@@ -145,9 +144,11 @@ class Acting:
 
     def weights(self, given: WeightsFrame, exact: bool) -> Shot:
         """A moment in ARKit weights; on an avatar without an ARKit map only the head moves."""
-        started, dt = self._clock(), self._elapsed(given.seconds)
+        started = self._clock()
+        dt = self._elapsed(given.seconds, started)
         self._face, self._weights, self.phase = None, given, Phase.TRACKING
         self._advance(dt, seen=True)
+        self._pass(given.seconds, started)
         before = replace(self._memory, expression=None, turn=None) if exact else self._memory
         self._memory = replace(take_on(self._actor, before, self._of_weights(given), given.turn, dt), faces=1)
         self._memory, pose = act(self._actor, self._memory, seen=True)
@@ -158,9 +159,11 @@ class Acting:
         """A moment of a track, exactly; None when it was made for another avatar."""
         if given.avatar_sha256 != self._avatar.sha256:
             return None
-        started, dt = self._clock(), self._elapsed(given.seconds)
+        started = self._clock()
+        dt = self._elapsed(given.seconds, started)
         self._face, self._weights, self.phase = None, None, Phase.TRACKING
         self._advance(dt, seen=True)
+        self._pass(given.seconds, started)
         gem, pose = self._avatar.gem, given.pose
         sigmas = (pose.coefficients - gem.rest_coefficients) / gem.sigma
         still = np.zeros(3), np.zeros_like(sigmas)
@@ -176,8 +179,10 @@ class Acting:
 
     def tick(self) -> Shot:
         """A moment in which nothing was delivered: hold, ease to rest, idle."""
-        started, dt = self._clock(), self._elapsed(None)
+        started = self._clock()
+        dt = self._elapsed(None, started)
         self._advance(dt, seen=False)
+        self._pass(None, started)
         self._memory, pose = act(self._actor, self._memory, seen=False)
         self._look_for_hints(None, dt, None)
         return self._shot(pose, started, self._memory.seconds or 0.0)
@@ -206,20 +211,7 @@ class Acting:
             except InputError:
                 express = expression_of(avatar, "baseline")
             self._known[avatar.sha256] = express
-        tuning = self._tuning
-        smoothing = min(1.0, tuning.smoothing + NOTCH * bool(HARD_TO_READ & set(self.hints.shown)))
-        return Actor(
-            self._tracker,
-            _NOBODY,
-            express,
-            avatar.gem,
-            avatar.lids,
-            tuning.head_pose,
-            smoother(EXPRESSION_FILTER, smoothing),
-            smoother(TURN_FILTER, smoothing),
-            gain_matrix(avatar.gem, tuning),
-            tuning.gain("head"),
-        )
+        return actor_for(avatar, self._tracker, express, self._tuning, bool(HARD_TO_READ & set(self.hints.shown)))
 
     def _with_neutral(self) -> Actor:
         assert self.settling.now is not None
@@ -231,15 +223,19 @@ class Acting:
             gem.rest_coefficients if gem.arkit_weights is None else gem.clamped(gem.arkit_coefficients(given.weights))
         )
 
-    def _elapsed(self, source_secs: float | None) -> float:
-        """Seconds since the last moment, by the source where it is steady, else by the clock."""
-        before, wall = self._source_secs, self._wall
-        self._source_secs, self._wall = source_secs, self._clock()
+    def _elapsed(self, source_secs: float | None, now: float) -> float:
+        """Seconds since the last moment, by the source where it is steady, else by the clock, which says ``now``."""
+        before = self._source_secs
         if before is not None and source_secs is not None and 0 < source_secs - before <= LONGEST_DT:
             return source_secs - before
-        return max(0.0, self._wall - wall)
+        return max(0.0, now - self._wall)
+
+    def _pass(self, source_secs: float | None, now: float) -> None:
+        """This moment is over; one that failed never was."""
+        self._source_secs, self._wall = source_secs, now
 
     def _advance(self, dt: float, seen: bool) -> None:
+        """Time goes by without a picture."""
         memory = self._memory
         attention = update(memory.attention, seen, dt)
         seconds = float(round(((memory.seconds or 0.0) + dt) / _TICK) * _TICK)

@@ -65,7 +65,7 @@ class Loop:
         self.health = Health()
         self._open_before = False
         self._trouble: tuple[str, str] = ("", "")
-        self._shot_at = self._delivered_at = clock()
+        self._shot_at = self._delivered_at = self._used_at = clock()
         self._arrivals: deque[float] = deque(maxlen=512)
         self._frames = self._failed = 0
 
@@ -111,8 +111,8 @@ class Loop:
             self._delivered_at = now
             shot = self._tried(delivery, now)
         if shot is not None:
-            self._shot_at = now
-        elif now - self._shot_at >= TICK_SECS and now - self._delivered_at >= QUIET_SECS and not self._paused:
+            self._shot_at = self._used_at = now
+        elif now - self._shot_at >= TICK_SECS and now - self._used_at >= QUIET_SECS and not self._paused:
             shot, self._shot_at = self.acting.tick(), max(self._shot_at + TICK_SECS, now - TICK_SECS)
         if shot is not None:
             self.shots.put(shot)

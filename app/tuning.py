@@ -7,9 +7,11 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..models.arkit import NAMES
+from ..models.driver.neutral import NeutralChoice
 from ..models.driver.smoothing import OneEuro
 from ..models.gem import Gem
-from .following import Floats
+from .casting import Avatar
+from .following import EXPRESSION_FILTER, TURN_FILTER, Actor, Express, Floats, Tracker
 
 Group = Literal["mouth", "eyes", "brows", "head"]
 GROUPS: tuple[Group, ...] = get_args(Group)
@@ -20,6 +22,8 @@ _SMOOTHEST = 8.0
 """At full smoothing the filters' cutoffs are divided by this, at none multiplied."""
 _RIDGE = 1e-3
 """Of the mean square of a shape: keeps shapes that look alike from being told apart by noise."""
+
+_NOBODY = NeutralChoice(0, 0.0, np.zeros(0, np.float32), np.zeros(3), "", ())
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,23 @@ def smoother(filter_settings: OneEuro, smoothing: float) -> OneEuro:
     factor = _SMOOTHEST ** (1 - 2 * smoothing)
     return replace(
         filter_settings, min_cutoff_hz=filter_settings.min_cutoff_hz * factor, beta=filter_settings.beta * factor
+    )
+
+
+def actor_for(avatar: Avatar, tracker: Tracker, express: Express, tuning: Tuning, hard_to_read: bool) -> Actor:
+    """Who plays under a tuning, still without a neutral; one notch smoother where the face is hard to read."""
+    smoothing = min(1.0, tuning.smoothing + NOTCH * hard_to_read)
+    return Actor(
+        tracker,
+        _NOBODY,
+        express,
+        avatar.gem,
+        avatar.lids,
+        tuning.head_pose,
+        smoother(EXPRESSION_FILTER, smoothing),
+        smoother(TURN_FILTER, smoothing),
+        gain_matrix(avatar.gem, tuning),
+        tuning.gain("head"),
     )
 
 
