@@ -12,13 +12,10 @@ from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, TRANSMITTANCE_MIN, VIEW_MARGIN
 from .sorting import front_to_back
+from .tiles import TILE, count_pairs, fill_pairs, power_of_two, tile_of
 
-TILE = 16
 _F = np.float32
 _LOG2_E = _F(1.4426950408889634)
-_POWER_LEAST = _F(-8)
-"""2^-8 < ALPHA_MIN: whatever is weaker is skipped anyway."""
-_STRIDE = 7919
 _STOP_EVERY = 32
 """After so many splats a tile asks whether light still gets through."""
 
@@ -66,11 +63,11 @@ class SoftwareEngine:
         sorted_ = time.perf_counter()
         columns, rows = -(-camera.width // TILE), -(-camera.height // TILE)
         ends = np.zeros(columns * rows + 1, np.int64)
-        _count(self._orders[0], visible, self._spans, columns, ends)
+        count_pairs(self._orders[0], visible, self._spans, columns, ends)
         np.cumsum(ends, out=ends)
         if ends[-1] > len(self._pairs):
             self._pairs = np.empty(int(ends[-1] * 1.3), np.int32)
-        _fill(self._orders[0], visible, self._spans, columns, ends, self._pairs)
+        fill_pairs(self._orders[0], visible, self._spans, columns, ends, self._pairs)
         _rasterise(self._pairs, ends, self._records, raw.colors, columns, rows, self._image)
         drawn = time.perf_counter()
         self.timings = {"project": projected - started, "sort": sorted_ - projected, "draw": drawn - sorted_}
@@ -85,8 +82,8 @@ class SoftwareEngine:
         signatures = (
             (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles)),
             (front_to_back, (doubles, ints)),
-            (_count, (pairs, whole, ints, whole, ends)),
-            (_fill, (pairs, whole, ints, whole, ends, pairs)),
+            (count_pairs, (pairs, whole, ints, whole, ends)),
+            (fill_pairs, (pairs, whole, ints, whole, ends, pairs)),
             (_rasterise, (pairs, ends, triple, triple, whole, whole, wide)),
         )
         for kernel, types in signatures:
@@ -195,34 +192,12 @@ def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, sp
         depths[i] = depth
 
 
-@numba.njit(cache=True)
-def _count(order, visible, spans, columns, ends):
-    for j in range(visible):
-        left, right, top, bottom = spans[order[j]]
-        for row in range(top, bottom + 1):
-            for column in range(left, right + 1):
-                ends[row * columns + column + 1] += 1
-
-
-@numba.njit(cache=True)
-def _fill(order, visible, spans, columns, ends, pairs):
-    place = ends[:-1].copy()
-    for j in range(visible):
-        left, right, top, bottom = spans[order[j]]
-        for row in range(top, bottom + 1):
-            for column in range(left, right + 1):
-                tile = row * columns + column
-                pairs[place[tile]] = order[j]
-                place[tile] += 1
-
-
 @numba.njit(cache=True, parallel=True, fastmath=True, error_model="numpy")
 def _rasterise(pairs, ends, records, colors, columns, rows, image):
     height, width = image.shape[:2]
     tiles = columns * rows
     for turn in numba.prange(tiles):
-        # threads take runs of turns: strides of a prime spread the busy middle of the picture over all of them
-        tile = (np.int64(turn) * _STRIDE) % tiles if tiles % _STRIDE else np.int64(turn)
+        tile = tile_of(turn, tiles)
         x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
         # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
         state = np.zeros((TILE, 4 * TILE), np.float32)
@@ -255,15 +230,7 @@ def _rasterise(pairs, ends, records, colors, columns, rows, image):
                 e0, e1 = c * dy * dy, b * dy
                 for x in range(TILE):
                     dx = dx0 + _F(x)
-                    # 2^(power / 8), minimax of degree 5 on [-1, 0], then to its 8th: relative error 7e-7, no table
-                    t = max(e0 + dx * (e1 + a * dx), _POWER_LEAST) * _F(0.125)
-                    root = _F(1) + t * (
-                        _F(0.69314372)
-                        + t * (_F(0.24018014) + t * (_F(0.05529736) + t * (_F(0.0092058) + t * _F(0.0009449))))
-                    )
-                    root *= root
-                    root *= root
-                    alpha = min(opacity * root * root, ALPHA_MAX)
+                    alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
                     alpha = alpha if alpha >= ALPHA_MIN else _F(0)
                     weight = alpha * state[y, x]
                     state[y, x] -= weight

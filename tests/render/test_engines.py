@@ -131,6 +131,12 @@ def test_warming_compiles_what_drawing_needs() -> None:
     engine.warm()
     from gemheads.render import software
 
-    kernels = (software._project, software._count, software._fill, software._rasterise, software.front_to_back)
+    kernels = (
+        software._project,
+        software.count_pairs,
+        software.fill_pairs,
+        software._rasterise,
+        software.front_to_back,
+    )
     engine.draw(RAW, CAMERA)
     assert [len(kernel.signatures) for kernel in kernels] == [1] * len(kernels)

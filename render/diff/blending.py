@@ -1,0 +1,137 @@
+"""Blending of sorted splats, tile by tile, and its gradient. Every tile writes its own rows: no atomics, no chance."""
+
+import numba
+import numpy as np
+
+from ..projection import ALPHA_MAX, ALPHA_MIN, TRANSMITTANCE_MIN
+from ..tiles import TILE, power_of_two, tile_of
+
+_F = np.float32
+_FAST = {"contract", "reassoc", "arcp", "nsz"}
+_STOP_EVERY = 32
+"""After so many splats a tile asks whether light still gets through."""
+
+
+@numba.njit(cache=True, parallel=True, fastmath=_FAST, error_model="numpy")
+def blend(pairs, ends, centers, shapes, colors, columns, rows, image, lights):
+    """Write the picture [H, W, 4], premultiplied RGBA, and what ``blend_back`` needs: for every pixel of every tile the
+    light that is left and the place of the last pair that took some (``lights`` float32 [tiles, TILE, 2 TILE])."""
+    height, width = image.shape[:2]
+    tiles = columns * rows
+    for turn in numba.prange(tiles):
+        tile = tile_of(turn, tiles)
+        x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
+        # light, place, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
+        state = np.zeros((TILE, 5 * TILE), np.float32)
+        state[:, :TILE] = 1
+        state[:, TILE : 2 * TILE] = -1
+        start = ends[tile]
+        for p in range(start, ends[tile + 1]):
+            if (p - start) % _STOP_EVERY == _STOP_EVERY - 1:
+                brightest = _F(0)
+                for y in range(TILE):
+                    for x in range(TILE):
+                        brightest = max(brightest, state[y, x])
+                if brightest < TRANSMITTANCE_MIN:
+                    break
+            i = pairs[p]
+            place = _F(p - start)
+            cx, cy = _F(centers[i, 0] - x0 - 0.5), _F(centers[i, 1] - y0 - 0.5)
+            a, b, c, opacity, half = shapes[i, 0], shapes[i, 1], shapes[i, 2], shapes[i, 3], shapes[i, 4]
+            r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
+            for y in range(max(0, int(np.ceil(cy - half))), min(TILE - 1, int(np.floor(cy + half))) + 1):
+                dy = _F(y) - cy
+                e0, e1 = c * dy * dy, b * dy
+                for x in range(TILE):
+                    dx = _F(x) - cx
+                    light = state[y, x]
+                    alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
+                    drawn = (alpha >= ALPHA_MIN) & (light >= TRANSMITTANCE_MIN)
+                    weight = alpha * light if drawn else _F(0)
+                    state[y, x] = light - weight
+                    state[y, TILE + x] = place if drawn else state[y, TILE + x]
+                    state[y, 2 * TILE + x] += weight * r
+                    state[y, 3 * TILE + x] += weight * g
+                    state[y, 4 * TILE + x] += weight * bl
+        for y in range(TILE):
+            for x in range(2 * TILE):
+                lights[tile, y, x] = state[y, x]
+        for y in range(min(TILE, height - y0)):
+            for x in range(min(TILE, width - x0)):
+                image[y0 + y, x0 + x, 0] = state[y, 2 * TILE + x]
+                image[y0 + y, x0 + x, 1] = state[y, 3 * TILE + x]
+                image[y0 + y, x0 + x, 2] = state[y, 4 * TILE + x]
+                image[y0 + y, x0 + x, 3] = _F(1) - state[y, x]
+
+
+@numba.njit(cache=True, parallel=True, fastmath=_FAST, error_model="numpy")
+def blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights, d_image, sums):
+    """Write into ``sums`` [P, SUMS] (see ``projecting.SUMS``) what every pair adds to its splat's gradients.
+
+    Back to front: the light in front of a splat is that behind it over 1 - alpha. What lies behind is carried along as
+    one number a pixel, its colour times the picture's gradient; transparent ground counts as colour in alpha.
+    """
+    height, width = d_image.shape[:2]
+    tiles = columns * rows
+    for turn in numba.prange(tiles):
+        tile = tile_of(turn, tiles)
+        column, row = tile % columns, tile // columns
+        x0, y0 = column * TILE, row * TILE
+        # light, behind, place, gradient of red, green, blue
+        state = np.zeros((TILE, 6 * TILE), np.float32)
+        last = -1
+        for y in range(min(TILE, height - y0)):
+            for x in range(min(TILE, width - x0)):
+                state[y, x] = lights[tile, y, x]
+                state[y, TILE + x] = -lights[tile, y, x] * d_image[y0 + y, x0 + x, 3]
+                state[y, 2 * TILE + x] = lights[tile, y, TILE + x]
+                last = max(last, int(lights[tile, y, TILE + x]))
+                for k in range(3):
+                    state[y, (3 + k) * TILE + x] = d_image[y0 + y, x0 + x, k]
+        start = ends[tile]
+        for p in range(ends[tile + 1] - 1, start - 1, -1):
+            i = pairs[p]
+            slot = firsts[i] + (row - spans[i, 2]) * (spans[i, 1] - spans[i, 0] + 1) + column - spans[i, 0]
+            q00, q10, q01, q20, q11, q02 = _F(0), _F(0), _F(0), _F(0), _F(0), _F(0)
+            d_r, d_g, d_b = _F(0), _F(0), _F(0)
+            place = _F(p - start)
+            cx, cy = _F(centers[i, 0] - x0 - 0.5), _F(centers[i, 1] - y0 - 0.5)
+            a, b, c, opacity, half = shapes[i, 0], shapes[i, 1], shapes[i, 2], shapes[i, 3], shapes[i, 4]
+            r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
+            top, bottom = max(0, int(np.ceil(cy - half))), min(TILE - 1, int(np.floor(cy + half)))
+            if p - start > last:
+                bottom = -1  # behind all that any pixel of this tile has seen
+            for y in range(top, bottom + 1):
+                dy = _F(y) - cy
+                e0, e1 = c * dy * dy, b * dy
+                s0, s1, s2 = _F(0), _F(0), _F(0)
+                for x in range(TILE):
+                    dx = _F(x) - cx
+                    shape = power_of_two(e0 + dx * (e1 + a * dx))
+                    peak = opacity * shape
+                    alpha = min(peak, ALPHA_MAX)
+                    drawn = (alpha >= ALPHA_MIN) & (place <= state[y, 2 * TILE + x])
+                    clear = _F(1) / (_F(1) - alpha)
+                    light = state[y, x] * clear if drawn else state[y, x]
+                    weight = alpha * light if drawn else _F(0)
+                    v0, v1, v2 = state[y, 3 * TILE + x], state[y, 4 * TILE + x], state[y, 5 * TILE + x]
+                    worth = r * v0 + g * v1 + bl * v2
+                    behind = state[y, TILE + x]
+                    q = shape * (light * worth - behind * clear) if drawn & (peak <= ALPHA_MAX) else _F(0)
+                    state[y, x] = light
+                    state[y, TILE + x] = behind + weight * worth
+                    d_r += weight * v0
+                    d_g += weight * v1
+                    d_b += weight * v2
+                    s0 += q
+                    s1 += q * dx
+                    s2 += q * dx * dx
+                q00 += s0
+                q10 += s1
+                q20 += s2
+                q01 += dy * s0
+                q11 += dy * s1
+                q02 += dy * dy * s0
+            sums[slot, 0], sums[slot, 1], sums[slot, 2] = q00, q10, q01
+            sums[slot, 3], sums[slot, 4], sums[slot, 5] = q20, q11, q02
+            sums[slot, 6], sums[slot, 7], sums[slot, 8] = d_r, d_g, d_b

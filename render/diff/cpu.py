@@ -1,0 +1,66 @@
+"""Splatting on all cores with a backward pass derived by hand: the tiles of ``render.software``, and their gradient."""
+
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ..camera import Camera
+from ..sorting import front_to_back
+from ..tiles import TILE, count_pairs, fill_pairs
+from .blending import blend, blend_back
+from .projecting import SHARES, SUMS, project, project_back
+from .tensors import GaussianTensors
+
+
+def render(gaussians: GaussianTensors, camera: Camera, world_to_camera: Tensor) -> Tensor:
+    """[H, W, 4] float32 premultiplied RGBA of float32 splats; ``world_to_camera`` [4, 4] of any precision."""
+    lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float64)
+    return _Splatting.apply(*vars(gaussians).values(), world_to_camera, lens)  # type: ignore[no-any-return]
+
+
+class _Splatting(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, *inputs: Any) -> Tensor:
+        *tensors, world_to_camera, lens = inputs
+        positions, wxyz, scales, opacities, colors = (tensor.detach().contiguous().numpy() for tensor in tensors)
+        matrix = world_to_camera.detach().to(torch.float64).contiguous().numpy()
+        count, width, height = len(positions), int(lens[4]), int(lens[5])
+        centers, shapes = np.empty((count, 2)), np.empty((count, 5), np.float32)
+        spans, depths, firsts = np.empty((count, 4), np.int32), np.empty(count), np.empty(count + 1, np.int64)
+        project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, shapes, spans, depths, firsts)
+        np.cumsum(firsts, out=firsts)
+        orders = np.empty((2, count), np.int32)
+        visible = front_to_back(depths, orders)
+        columns, rows = -(-width // TILE), -(-height // TILE)
+        ends = np.zeros(columns * rows + 1, np.int64)
+        count_pairs(orders[0], visible, spans, columns, ends)
+        np.cumsum(ends, out=ends)
+        pairs = np.empty(int(ends[-1]), np.int32)
+        fill_pairs(orders[0], visible, spans, columns, ends, pairs)
+        image = torch.empty(height, width, 4)
+        lights = np.empty((columns * rows, TILE, 2 * TILE), np.float32)
+        blend(pairs, ends, centers, shapes, colors, columns, rows, image.numpy(), lights)
+        ctx.save_for_backward(*tensors, world_to_camera)
+        ctx.drawn = (pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights)
+        ctx.placed = (positions, wxyz, scales, opacities, matrix, lens, firsts)
+        return image
+
+    @staticmethod
+    def backward(ctx: Any, *grad_outputs: Any) -> Any:
+        *tensors, camera = ctx.saved_tensors  # raises where one was changed since: the arrays of forward share memory
+        pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights = ctx.drawn
+        sums = np.empty((int(firsts[-1]), SUMS), np.float32)
+        d_image = grad_outputs[0].contiguous().numpy()
+        blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights, d_image, sums)
+        gradients = [torch.empty(tensor.shape) for tensor in tensors]
+        shares = np.empty((SHARES, 3, 4))
+        positions, wxyz, scales, opacities, matrix, lens, firsts = ctx.placed
+        places, turns, sizes, peaks, hues = (gradient.numpy() for gradient in gradients)
+        project_back(
+            positions, wxyz, scales, opacities, matrix, lens, firsts, sums, places, turns, sizes, peaks, hues, shares
+        )
+        view = torch.zeros(4, 4, dtype=torch.float64)
+        view[:3] = torch.from_numpy(shares.sum(0))
+        return *gradients, view.to(camera.dtype), None
