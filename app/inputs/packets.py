@@ -19,6 +19,8 @@ _MOST_BUNDLES = 16
 _BEYOND = 1000.0
 """No weight or angle is larger than this: such a packet is garbage."""
 
+_LEAST_VALUES = {"/VMC/Ext/Blend/Val": 2, "/VMC/Ext/Bone/Pos": 8}
+
 
 class PacketError(ValueError):
     """A packet that is not of the protocol."""
@@ -51,9 +53,11 @@ def read_vmc(packet: bytes) -> Said:
     said = Said()
     for message in messages:
         values = list(message.params)
-        if message.address == "/VMC/Ext/Blend/Val" and len(values) >= 2:
+        if len(values) < _LEAST_VALUES.get(message.address, 0):
+            raise PacketError(f"{message.address} with {len(values)} values")
+        if message.address == "/VMC/Ext/Blend/Val":
             said.weights[_name(values[0])] = _number(values[1])
-        elif message.address == "/VMC/Ext/Bone/Pos" and len(values) >= 8 and values[0] in ("Head", "Neck"):
+        elif message.address == "/VMC/Ext/Bone/Pos" and values[0] in ("Head", "Neck"):
             x, y, z, w = (_number(value) for value in values[4:8])
             said.bones[_name(values[0])] = (x, y, z, w)
         elif message.address == "/VMC/Ext/Blend/Apply":

@@ -1,0 +1,214 @@
+"""The thread itself, with real time where only that tells: it closes from any state, and follows a real face."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from gemheads.app.capture import Capture, Tuning
+from gemheads.app.casting import Avatar, open_avatar
+from gemheads.app.frames import Frame
+from gemheads.app.inputs import CameraChoice, open_camera, open_input
+from gemheads.app.inputs.source import Delivery
+from gemheads.app.library import DEMO_CLIP, find_avatar
+from gemheads.app.loop import Loop
+from gemheads.app.shots import Shot
+from gemheads.models.driver.face import FaceTracker
+from gemheads.models.driver.neutral import neutral_of
+
+from .scripted import Clock, Person, Source, avatar, picture
+from .test_live import face
+
+PATIENCE_SECS = 20.0
+"""So long the busiest machine may take."""
+
+
+def until(true: Callable[[], object]) -> None:
+    begun = time.perf_counter()
+    while not true():
+        assert time.perf_counter() - begun < PATIENCE_SECS
+        time.sleep(0.005)
+
+
+def next_shot(capture: Capture, fit: Callable[[Shot], bool] = lambda shot: True) -> Shot:
+    found: list[Shot] = []
+
+    def there() -> bool:
+        shot = capture.newest()
+        if shot is not None and fit(shot):
+            found.append(shot)
+        return bool(found)
+
+    until(there)
+    return found[0]
+
+
+@dataclass
+class Hanging(Source):
+    """A source whose reading never ends by itself."""
+
+    go_on: threading.Event = field(default_factory=threading.Event)
+
+    def read(self, timeout: float) -> Delivery | None:
+        self.go_on.wait(PATIENCE_SECS)
+        return None
+
+
+@pytest.fixture
+def capture() -> Iterator[Capture]:
+    person = Person(Clock(), face())
+    with Capture(avatar(), lambda: person) as capture:
+        yield capture
+
+
+def close_in_time(capture: Capture) -> None:
+    begun = time.perf_counter()
+    capture.close()
+    assert time.perf_counter() - begun < 1.0
+
+
+def test_it_closes_without_a_source(capture: Capture) -> None:
+    next_shot(capture)
+    close_in_time(capture)
+    assert not capture._thread.is_alive()
+
+
+def test_it_closes_while_a_source_hangs_in_opening(capture: Capture) -> None:
+    go_on = threading.Event()
+    late = Source()
+
+    def hang() -> Source:
+        go_on.wait(PATIENCE_SECS)
+        return late
+
+    capture.use(hang, "slow")
+    until(lambda: capture.health.phase == "opening")
+    next_shot(capture)  # the avatar lives on meanwhile
+    close_in_time(capture)
+    go_on.set()
+    until(lambda: late.closed)
+
+
+def test_it_closes_while_a_source_hangs_in_reading(capture: Capture) -> None:
+    hanging = Hanging()
+    capture.use(lambda: hanging, "hanging")
+    until(lambda: capture.health.phase != "no source" or capture._loop.link is not None)
+    close_in_time(capture)
+    hanging.go_on.set()
+
+
+def test_it_closes_while_a_camera_hangs_in_its_driver(capture: Capture) -> None:
+    go_on = threading.Event()
+
+    class Device:
+        released = False
+
+        def isOpened(self) -> bool:
+            return True
+
+        def set(self, *_: float) -> None:
+            pass
+
+        def get(self, _: int) -> float:
+            return 30.0
+
+        def read(self) -> tuple[bool, None]:
+            go_on.wait(PATIENCE_SECS)
+            return False, None
+
+        def release(self) -> None:
+            self.released = True
+
+    device = Device()
+    choice = CameraChoice("Cam", 0)
+    capture.use(open_camera(choice, connected=lambda: [choice], open_device=lambda _: device), "Cam")
+    until(lambda: capture.health.source.startswith("Cam,"))
+    next_shot(capture)
+    close_in_time(capture)
+    go_on.set()
+    until(lambda: device.released)
+
+
+def test_wishes_return_at_once_whatever_the_source_does(capture: Capture) -> None:
+    hanging = Hanging()
+    capture.use(lambda: hanging, "hanging")
+    time.sleep(0.05)
+    begun = time.perf_counter()
+    capture.cast(avatar(1))
+    capture.tune(Tuning(smoothing=0.1))
+    capture.rest(neutral_of(face(), 0, 0.0, "taken"))
+    capture.relock()
+    capture.use(None)
+    capture.newest()
+    assert capture.health
+    assert time.perf_counter() - begun < 0.3
+    hanging.go_on.set()
+    next_shot(capture, lambda shot: shot.avatar == "sha of 1")
+
+
+def test_a_wish_that_changes_a_paused_video_is_seen_at_once(capture: Capture) -> None:
+    capture.use(open_input(str(DEMO_CLIP)), "clip")
+    until(lambda: capture.transport is not None and capture.health.settled)
+    assert capture.transport is not None
+    capture.transport.pause()
+    until(lambda: capture.newest() is None)
+    time.sleep(0.1)
+    capture.newest()
+    capture.rest(neutral_of(face(jaw=0.9), 0, 0.0, "another"))
+    shot = next_shot(capture)
+    assert shot.pose.phase.name == "TRACKING"
+
+
+def test_a_real_face_drives_a_real_avatar_in_time() -> None:
+    cast: Avatar = open_avatar(find_avatar())
+    with Capture(cast) as capture:
+        capture.use(open_input(str(DEMO_CLIP)), "clip")
+        until(lambda: capture.health.settled)
+        shots: list[Shot] = []
+
+        def enough() -> bool:
+            shot = capture.newest()
+            shots.extend([shot] if shot else [])
+            return len(shots) >= 40
+
+        until(enough)
+        health = capture.health
+    assert health.phase == "tracking"
+    assert health.neutral
+    assert health.rejected == 0
+    moved = np.ptp([shot.pose.coefficients / cast.gem.sigma for shot in shots], axis=0)
+    assert moved.max() > 0.5
+    assert all(np.isfinite(shot.pose.coefficients).all() for shot in shots)
+    assert {shot.avatar for shot in shots} == {cast.sha256}
+    seen = shots[-1].observed
+    assert seen is not None
+    assert 0.3 < seen.luma < 0.9
+    assert seen.picture_size == (512, 512)
+    sketch = shots[-1].sketch
+    assert sketch is not None
+    assert 0.2 < float(np.median(sketch[:, 0])) < 0.8
+
+
+def test_a_real_tracker_survives_everything_a_camera_may_send() -> None:
+    clock, source = Clock(), Source()
+    loop = Loop(avatar(), FaceTracker, clock, lambda _: None, lambda work: work())
+    loop.use(lambda: source, "camera")
+    rng = np.random.default_rng(0)
+    images = [
+        picture(1),
+        rng.integers(0, 255, (48, 64, 3), dtype=np.uint8),
+        np.zeros((16, 16, 3), np.uint8),
+        np.zeros((2, 4000, 3), np.uint8),
+        np.full((300, 16, 3), 255, np.uint8),
+        rng.integers(0, 255, (480, 640, 3), dtype=np.uint8)[:, ::-1],
+    ]
+    for index, image in enumerate(images * 2):
+        clock.now += 1 / 30
+        source.next = Frame(image, index, Fraction(1, 30))
+        loop.turn()
+    assert loop.health.phase == "searching"
+    assert loop.health.rejected == 2
+    assert loop.health.frames == 10
