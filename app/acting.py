@@ -131,11 +131,15 @@ class Acting:
         tracked = self._clock()
         observed = None
         if seen.face is not None:
-            self._face, self._weights, self.phase = seen.face, None, Phase.TRACKING
-            self.settling = settle(self.settling, seen.face, timed.seconds, dt, self._tuning.neutral_strength)
-            memory = follow(self._with_neutral(), memory, seen.face, 0.0 if exact else dt)
+            self.phase = Phase.TRACKING
             memory = count_faces(self._tracker, memory, timed)
             observed = observe(seen.face, frame.rgb, memory.faces)
+            if observed.is_finite:
+                self._face, self._weights = seen.face, None
+                self.settling = settle(self.settling, seen.face, timed.seconds, dt, self._tuning.neutral_strength)
+                memory = follow(self._with_neutral(), memory, seen.face, 0.0 if exact else dt)
+            else:
+                memory, observed = replace(memory, unusable=memory.unusable + 1), None
         self._pass(frame.seconds, started)
         self._memory, pose = act(self._actor, memory, seen.face is not None, seen.cut)
         self._look_for_hints(observed, dt, rate)

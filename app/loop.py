@@ -40,6 +40,8 @@ _WORDS: dict[SourcePhase, tuple[str, str]] = {
     "searching": ("Looking for a face.", "Sit in front of the camera, with light on your face."),
     "idle": ("Looking for you.", "Come back into the picture."),
 }
+"""To somebody in front of a camera."""
+_NO_FACE = ("No face is seen here.", "Choose what shows a face from the front, a tenth of the picture high or more.")
 _log = logging.getLogger(__name__)
 
 
@@ -67,7 +69,7 @@ class Loop:
         self._trouble: tuple[str, str] = ("", "")
         self._shot_at = self._delivered_at = self._used_at = clock()
         self._arrivals: deque[float] = deque(maxlen=512)
-        self._frames = self._failed = 0
+        self._frames = self._failed = self._dropped_before = 0
 
     def ask(self, wish: Callable[[], None]) -> None:
         """Have something done in the capture thread, before the next delivery; from any thread."""
@@ -80,6 +82,7 @@ class Loop:
         self.acting.begin()
         self._arrivals.clear()
         self._frames = self._failed = 0
+        self._dropped_before = self.shots.dropped
         self._trouble, self._open_before = ("", ""), False
         self.link = Link(opener, name, self._clock, self._pause, self._spawn) if opener else None
 
@@ -193,7 +196,7 @@ class Loop:
             message=message,
             cure=cure,
             frames=self._frames,
-            drops=(link.drops if link else 0) + self.shots.dropped,
+            drops=(link.drops if link else 0) + self.shots.dropped - self._dropped_before,
             rate=self._rate(now),
             source=link.name if link else "",
             hints=acting.hints.sentences if phase in ("tracking", "hold") else (),
@@ -218,4 +221,6 @@ class Loop:
             silent: SourcePhase = "stalled" if self._frames else "searching"
             return silent, f"Nothing comes in from {source.name}.", "Start the sender, and give it this address."
         message, cure = _WORDS.get(phase, ("", ""))
+        if message and source.kind != "camera":
+            message, cure = _NO_FACE
         return phase, message, cure

@@ -34,6 +34,11 @@ class Observed:
     faces: int
     """Faces in the picture, as last counted."""
 
+    @property
+    def is_finite(self) -> bool:
+        """Whether all of it can be reckoned with."""
+        return bool(np.isfinite(self.features).all() and np.isfinite(self.rotation).all())
+
 
 @dataclass(frozen=True)
 class Shot:

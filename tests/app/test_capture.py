@@ -16,6 +16,7 @@ from gemheads.app.inputs.source import Delivery
 from gemheads.app.library import DEMO_CLIP, find_avatar
 from gemheads.app.loop import Loop
 from gemheads.app.shots import Shot
+from gemheads.app.sources import open_source
 from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.neutral import neutral_of
 
@@ -212,3 +213,34 @@ def test_a_real_tracker_survives_everything_a_camera_may_send() -> None:
     assert loop.health.phase == "searching"
     assert loop.health.rejected == 2
     assert loop.health.frames == 10
+
+
+def test_of_two_real_faces_the_locked_one_stays_until_the_other_is_asked_for() -> None:
+    clock, source = Clock(), Source()
+    loop = Loop(avatar(), FaceTracker, clock, lambda _: None, lambda work: work())
+    loop.use(lambda: source, "camera")
+    frames = [frame.rgb for frame, _ in zip(open_source(str(DEMO_CLIP)).frames(), range(24), strict=False)]
+
+    def play() -> float:
+        """The clip beside itself, a little later; returns where the followed face is, in widths of the picture."""
+        sides = []
+        for index, rgb in enumerate(frames[:20]):
+            clock.now += 1 / 30
+            both = np.hstack([rgb[::2, ::2], frames[index + 4][::2, ::2]])
+            source.next = Frame(both, round(clock.now * 1000), Fraction(1, 1000))
+            loop.turn()
+            shot = loop.shots.take()
+            assert shot is not None
+            if index > 0:
+                assert shot.sketch is not None
+                sides.append(float(shot.sketch[:, 0].mean()))
+        assert np.ptp(sides) < 0.1
+        return sides[-1]
+
+    first = play() > 0.5
+    assert (play() > 0.5) == first
+    assert "Somebody else" in " ".join(loop.health.hints)
+    loop.acting.relock()
+    assert (play() > 0.5) != first
+    loop.acting.relock()
+    assert (play() > 0.5) == first

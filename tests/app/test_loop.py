@@ -256,6 +256,24 @@ def test_nan_keeps_the_last_good_expression_and_is_counted(world: World) -> None
     assert world.loop.health.rejected == 15
 
 
+def test_nan_from_the_first_frame_on_does_not_poison_the_neutral() -> None:
+    world = World()
+    world.person.face = face(jaw=float("nan"))
+    world.play(1.0)
+    assert world.loop.health.rejected == 30
+    world.person.face = face()
+    world.play(2.5)
+    assert jaw(opened(world))[-1] == pytest.approx(0.575, abs=0.05)
+
+
+def test_a_video_without_a_face_says_so() -> None:
+    world = World(Source("video"))
+    world.person.face = None
+    world.play(1.0)
+    assert world.phase == "searching"
+    assert "No face" in world.loop.health.message
+
+
 def test_a_tracker_that_fails_is_told_and_the_avatar_lives_on(world: World) -> None:
     world.person.broken = NetworkError("a network is missing")
     shots = world.play(2.0)
