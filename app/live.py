@@ -1,9 +1,14 @@
-"""THE frame: ``drive`` turns a picture of a person into what the avatar does, ``draw`` turns that into pixels."""
+"""THE frame: ``drive`` turns a picture of a person into what the avatar does, ``draw`` turns that into pixels.
 
+``run_offline`` does so for a clip, ``run_live`` for a window.
+"""
+
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +20,7 @@ from ..render.compositing import over, to_rgba8
 from ..render.engines import Engine
 from ..render.gaussians import RawGaussians
 from . import idle
+from .desk.actions import Order
 from .following import Actor, Memory, count_faces, follow, look, turned_gain
 from .frames import Frame
 from .performance import Pose
@@ -23,7 +29,16 @@ from .state import Phase
 from .threads import Behind, ahead
 from .timing import Stopwatch
 
+if TYPE_CHECKING:
+    from .desk.offscreen import DeskOffscreen
+    from .desk.session import Session
+    from .desk.window import DeskWindow
+
+    Desk = DeskWindow | DeskOffscreen
+
 Image = NDArray[np.uint8]
+WAIT_SECS = 0.002
+"""How long the window looks for keys and pointer before it looks for a shot."""
 NO_SHIFT = np.zeros(3, np.float32)
 
 
@@ -138,3 +153,28 @@ def run_offline(
 
 NOTHING = np.empty((0, 0, 3), np.uint8)
 """Stands for a picture that is already written."""
+
+
+def run_live(desk: "Desk", session: "Session") -> None:
+    """The window's thread until somebody quits: orders -> state; newest shot -> picture -> outputs; panels -> screen.
+
+    Nothing here waits for the driver, a file or an output: the newest shot wins, and what is not ready comes later.
+    """
+    while not session.state.quitting:
+        for order in (*desk.poll(WAIT_SECS), *session.orders()):
+            session.obey(order)
+        started = time.perf_counter()
+        session.settle(started)
+        shot = session.newest(started)
+        picture = session.draw(shot, started)
+        if picture is None and not session.due(started):
+            continue
+        seen = picture
+        if picture is not None:
+            session.offer(picture, started)  # before any panel is drawn, and never with one
+            if not desk.clean(picture if session.state.clean_window else None):
+                session.obey(Order("clean_window", 0.0))
+            seen = session.preview(picture)
+        worked = time.perf_counter() - started
+        desk.show(seen, session.view(started))
+        session.shown(shot, picture is not None, worked, time.perf_counter())

@@ -26,6 +26,7 @@ class DeskOffscreen:
         self._target = self.context.simple_framebuffer(size, 4)
         self._screen = Screen(self.context)
         self._orders: list[Order] = []
+        self.clean_picture: NDArray[np.uint8] | None = None
         self.shown = 0
         """Pictures shown so far."""
 
@@ -47,6 +48,11 @@ class DeskOffscreen:
         self._orders += self._screen.orders
         self._screen.orders.clear()
         self.shown += 1
+
+    def clean(self, picture: NDArray[np.uint8] | None) -> bool:
+        """What the clean window would show is kept in ``clean_picture``."""
+        self.clean_picture = None if picture is None else picture.copy()
+        return True
 
     def pixels(self) -> NDArray[np.uint8]:
         """[H, W, 3] what is on the screen, upright."""

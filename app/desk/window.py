@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...render.contexts import window_context
 from .actions import Order
+from .cleanwindow import CleanWindow
 from .keys import Keymap, keymap
 from .screen import Screen, dropped
 from .view import DeskView
@@ -51,12 +52,13 @@ class DeskWindow:
         self._walking = False
         self._modifiers = 0
         self._repeated = False
+        self._clean: CleanWindow | None = None
         self._placed: tuple[int, int, int, int] | None = None
         glfw.set_window_size_limits(self._window, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.swap_interval(1)
         glfw.set_key_callback(self._window, self._on_key)
         glfw.set_char_callback(self._window, self._on_character)
-        glfw.set_drop_callback(self._window, self.on_drop)
+        glfw.set_drop_callback(self._window, self.on_drop)  # pyright: ignore[reportArgumentType] (glfw makes a list)
         glfw.set_window_close_callback(self._window, self._on_close)
         self._screen = Screen(self.context)
         # imgui calls the callbacks that are there already: it comes last
@@ -100,12 +102,25 @@ class DeskWindow:
         self._screen.orders.clear()
         glfw.swap_buffers(self._window)
 
+    def clean(self, picture: NDArray[np.uint8] | None) -> bool:
+        """Show the picture in the clean window too; None closes that. False when the person closed it."""
+        if picture is None or (self._clean is not None and not self._clean.wanted):
+            if self._clean is not None:
+                self._clean.close()
+            self._clean = None
+            return picture is None
+        if self._clean is None:
+            self._clean = CleanWindow((picture.shape[1], picture.shape[0]))
+        self._clean.show(picture)
+        return True
+
     def on_drop(self, window: Any, paths: list[str]) -> None:
         """Files were dropped on the window."""
         self._orders += dropped(paths)
 
     def close(self) -> None:
         """Close the window."""
+        self.clean(None)
         imgui.backends.glfw_shutdown()
         self._screen.close()
         glfw.destroy_window(self._window)
@@ -122,7 +137,8 @@ class DeskWindow:
             mode = glfw.get_video_mode(monitor)
             glfw.set_window_monitor(self._window, monitor, 0, 0, *mode.size, mode.refresh_rate)
         elif self._placed is not None:
-            glfw.set_window_monitor(self._window, None, *self._placed, glfw.DONT_CARE)
+            nowhere: Any = None
+            glfw.set_window_monitor(self._window, nowhere, *self._placed, glfw.DONT_CARE)
 
     def _on_close(self, window: Any) -> None:
         self._orders.append(Order("quit"))

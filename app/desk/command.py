@@ -1,0 +1,108 @@
+"""``gemheads live``: puts a session together, opens the window, and keeps what is to be remembered."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from ...render.contexts import NoOpenGLError
+from ...render.engines import EngineName, open_engine
+from ..errors import ExitCode, InputError
+from ..library import avatars, find_avatar
+from ..live import run_live
+from .actions import Order
+from .keys import keymap
+from .outputs import Outputs
+from .remote import Remote, read_listen
+from .roster import Roster
+from .session import Session
+from .settings import load_settings, recalled, remembered, save_settings, settings_file
+from .state import DeskState
+from .window import DeskWindow
+
+RATE = 30
+"""Pictures a second that are recorded, at most."""
+
+
+def live_command(
+    driver: str | None = None,
+    avatar: str | None = None,
+    camera: str | None = None,
+    components: int | None = None,
+    size: tuple[int, int] = (720, 720),
+    engine: EngineName = "auto",
+    listen: str | None = None,
+    welcome: bool = True,
+) -> ExitCode:
+    """Open the window and stay until it is closed.
+
+    Args:
+        driver: a video, a folder of pictures, a track, or ``osc:PORT``.
+        avatar: name of an avatar or a .gem file; None for the one of the last run.
+        camera: a camera's name or a part of it; an empty one means the last one used, or the first.
+        components: how many components a modality; None for all.
+        size: width and height of the avatar's picture in pixels.
+        engine: what draws.
+        listen: HOST:PORT for orders by OSC.
+        welcome: show the card of the first run when neither driver nor camera is given.
+
+    Raises:
+        CommandError: when an avatar is not there, a port cannot be listened on, or no window opens.
+    """
+    file = settings_file()
+    settings, complaint = load_settings(file)
+    roster = opening_roster(avatar, settings.avatar)
+    remote = Remote(*read_listen(listen)) if listen is not None else None
+    state = replace(recalled(DeskState(), settings), welcome=welcome and driver is None and camera is None)
+    if components is not None:
+        state = replace(state, components=components)
+    try:
+        desk = DeskWindow(settings.window)
+    except NoOpenGLError as error:
+        raise InputError(f"gemheads live: {error}") from error
+    outputs = Outputs(size, RATE, recordings_folder)
+    session = Session(
+        state, roster, keymap(settings.keys), lambda: open_engine(engine, desk.context), outputs, size, remote
+    )
+    session.driving.camera = settings.camera
+    if complaint:
+        session.tell(complaint)
+    for order in first_orders(driver, camera):
+        session.obey(order)
+    try:
+        run_live(desk, session)
+    finally:
+        playing = session.stage.roster
+        settings = remembered(session.state, settings)
+        named = str(playing.paths[playing.current]) if playing.paths else ""
+        window = settings.window if session.state.full_screen else desk.size
+        settings = replace(settings, avatar=named, camera=session.driving.camera, window=window)
+        session.close()
+        desk.close()
+        if trouble := save_settings(settings, file):
+            print(trouble, file=sys.stderr)
+    return ExitCode.OK
+
+
+def opening_roster(wanted: str | None, before: str) -> Roster:
+    """The library, with the avatar on stage that is wanted, else that of the last run, else the first shipped one.
+
+    Raises InputError when the wanted one is not there.
+    """
+    roster = Roster(tuple(entry.path for entry in avatars()))
+    if wanted is None and before and Path(before).is_file():
+        return roster.staged(Path(before))
+    return roster.staged(find_avatar(wanted))
+
+
+def first_orders(driver: str | None, camera: str | None) -> tuple[Order, ...]:
+    """What the command line asks of the window."""
+    if driver is not None:
+        return (Order("open", driver),)
+    return (Order("camera", camera),) if camera is not None else ()
+
+
+def recordings_folder() -> Path:
+    """Where recordings and pictures go."""
+    import platformdirs
+
+    return Path(platformdirs.user_videos_dir()) / "gemheads"

@@ -1,0 +1,160 @@
+"""The driver of a session: the source that was asked for, its buttons, the sliders and the neutral."""
+
+from collections.abc import Callable
+from typing import Any
+
+from ..capture import Capture
+from ..casting import Avatar
+from ..errors import CommandError
+from ..inputs.source import Opener, Transport
+from ..shots import Health, Shot
+from ..tuning import GROUPS, Tuning
+from .actions import Order
+from .resting import NeutralTaking, kept, recalled
+from .sources import PERFORMANCE, CameraList, camera_named, demo, open_input
+from .state import DeskState
+
+Tell = Callable[[str, bool], None]
+"""Says a sentence to the person, in alarm or not."""
+
+
+class Driving:
+    """For the window's thread; what waits is in the capture thread."""
+
+    def __init__(self, tell: Tell, make: Callable[[Avatar], Any] = Capture, camera: str = "") -> None:
+        """
+        Args:
+            tell: for what goes wrong.
+            make: the capture for the first avatar.
+            camera: the name of the camera that was used last.
+        """
+        self.camera = camera
+        self._tell, self._make = tell, make
+        self._capture: Capture | None = None
+        self._source: tuple[Opener | None, str] = (open_input(PERFORMANCE), "Performance")
+        self._tuning = Tuning()
+        self._neutral = NeutralTaking()
+        self._cameras = CameraList()
+
+    @property
+    def health(self) -> Health:
+        """How the source is doing."""
+        return self._capture.health if self._capture is not None else Health()
+
+    @property
+    def transport(self) -> Transport | None:
+        """The source's buttons."""
+        return self._capture.transport if self._capture is not None else None
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """Names of the cameras that are connected."""
+        return self._cameras.names
+
+    @property
+    def neutral(self) -> NeutralTaking:
+        """How the taking of the neutral goes."""
+        return self._neutral
+
+    def cast(self, avatar: Avatar) -> bool:
+        """Drive this avatar from now on; False, said aloud, when nothing drives it."""
+        try:
+            if self._capture is None:
+                capture: Capture = self._make(avatar)
+                capture.use(*self._source)
+                self._capture = capture
+            else:
+                self._capture.cast(avatar)
+        except CommandError as error:
+            self._tell(str(error), True)
+            return False
+        return True
+
+    def newest(self) -> Shot | None:
+        """The newest shot, each once."""
+        return self._capture.newest() if self._capture is not None else None
+
+    def use(self, opener: Opener | None, name: str) -> None:
+        """Another source."""
+        self._source = (opener, name)
+        if self._capture is not None:
+            self._capture.use(opener, name)
+
+    def open(self, text: str) -> None:
+        """A file, a folder or a port as the source; what is wrong with the word is told."""
+        try:
+            self.use(open_input(text), text.rstrip("/\\").replace("\\", "/").rsplit("/", 1)[-1])
+        except CommandError as error:
+            self._tell(str(error), True)
+
+    def open_camera(self, name: str) -> None:
+        """A camera by its name, the last one or the first where there is none."""
+        self.camera = name or self.camera or next(iter(self.cameras), "")
+        self.use(camera_named(self.camera), self.camera or "Camera")
+        choice, warning = recalled(self.camera)
+        if warning:
+            self._tell(warning, False)
+        if self._capture is not None and choice is not None:
+            self._capture.rest(choice)
+
+    def open_demo(self) -> None:
+        """The shipped clip."""
+        try:
+            self.use(*demo())
+        except CommandError as error:
+            self._tell(str(error), True)
+
+    def press(self, order: Order, state: DeskState) -> None:
+        """A button of the source; nothing happens where it has none."""
+        transport, value = self.transport, order.value
+        if transport is None:
+            return
+        if order.name == "play":
+            play = not transport.playing if value is None else bool(value)
+            transport.play() if play else transport.pause()
+        elif order.name == "step" and isinstance(value, float | int):
+            transport.step(round(value))
+        elif order.name == "seek" and isinstance(value, float | int):
+            wanted = transport.position + value if order.relative else value
+            transport.seek(min(transport.duration, max(0.0, wanted)))
+        elif order.name == "loop":
+            transport.loop = state.loop
+
+    def relock(self) -> None:
+        """Follow another face."""
+        if self._capture is not None:
+            self._capture.relock()
+
+    def settle(self, state: DeskState, detector_every: int, avatar: Avatar, shot: Shot | None, now: float) -> bool:
+        """Bring sliders and neutral to where the state has them; whether a neutral was just finished."""
+        if self._capture is None:
+            return False
+        tuning = tuning_of(state, detector_every)
+        if tuning != self._tuning:
+            self._tuning = tuning
+            self._capture.tune(tuning)
+        if state.resting != self._neutral.on:
+            self._neutral.begin() if state.resting else self._neutral.stop()
+        resting = self._neutral.advance(shot, self.health, avatar, now)
+        if resting is not None:
+            self._capture.rest(resting.choice)
+            if self.camera and self.camera == self.health.source and (trouble := kept(self.camera, resting)):
+                self._tell(trouble, True)
+        return state.resting and not self._neutral.on
+
+    def close(self) -> None:
+        """Let go of the source, in under a second."""
+        self._cameras.close()
+        if self._capture is not None:
+            self._capture.close()
+
+
+def tuning_of(state: DeskState, detector_every: int) -> Tuning:
+    """The sliders as the capture thread wants them."""
+    return Tuning(
+        smoothing=state.smoothing,
+        gains={group: getattr(state, f"gain_{group}") for group in GROUPS},
+        head_pose=state.head_pose,
+        neutral_strength=state.neutral_strength,
+        detector_every=detector_every,
+    )

@@ -1,0 +1,71 @@
+"""How fast a session goes, and what the quality ladder makes of it."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ..figures import Figures
+from ..ladder import Ladder, Quality, quality, said, update
+from ..shots import Health, Shot
+from ..timing import Stopwatch
+from .view import Readings
+
+READ_EVERY = 0.25
+"""Seconds between two readings: they are to be read."""
+LONGEST_DT = 0.5
+"""A longer gap between frames was no work: the window was moved, or the machine slept."""
+
+
+class Gauges(Stopwatch):
+    """Collects in the window's thread."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._figures = Figures()
+        self._ladder = Ladder()
+        self._frame_at = self._read_at = float("-inf")
+        self._readings = Readings()
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        """Time one visit to ``stage``."""
+        with self._figures.timed(stage):
+            yield
+
+    def quality(self, components: int) -> Quality:
+        """What to draw of what the person wants, as far as the machine allows."""
+        return quality(self._ladder, Quality(components))
+
+    def shown(self, shot: Shot | None, worked: float, components: int, ladder: bool, now: float) -> None:
+        """A picture was swapped at ``now``.
+
+        Args:
+            shot: what is seen for the first time in it.
+            worked: seconds the frame took, without waiting for the screen.
+            components: as the person wants them.
+            ladder: whether the ladder may act.
+        """
+        self._figures.shown(now, shot.delivered if shot is not None else None)
+        for stage, seconds in shot.stages.items() if shot is not None else ():
+            self._figures.stage(stage, seconds)
+        dt, self._frame_at = now - self._frame_at, now
+        if not ladder:
+            self._ladder = Ladder()
+        elif dt < LONGEST_DT:
+            self._ladder = update(self._ladder, 1e3 * worked, dt, Quality(components))
+
+    def read(self, health: Health, engine: str, components: int, now: float) -> Readings:
+        """The figures, a few times a second brought up to date."""
+        if now - self._read_at >= READ_EVERY:
+            self._read_at, self._figures.drops = now, health.drops
+            figures = self._figures.view(now)
+            self._readings = Readings(
+                fps=figures.fps,
+                stages={name: spread.median / 1e3 for name, spread in figures.stages.items()},
+                latency=figures.latency.median / 1e3 if figures.latency is not None else 0.0,
+                drops=figures.drops,
+                megabytes=figures.rss_mb,
+                engine=engine,
+                provider="tracked on the processor" if "track" in figures.stages else "",
+                lowered=said(self._ladder, Quality(components)),
+            )
+        return self._readings

@@ -1,0 +1,62 @@
+"""Avatars are opened in a thread of their own; the window asks, and takes what came of it."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..casting import Avatar, expression_of, open_avatar
+from ..errors import CommandError
+from ..mailbox import Mailbox
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A file that does not come on stage."""
+
+    path: Path
+    reason: str
+
+
+class Loader:
+    """Opens one avatar at a time; of several that are asked for, the last one counts."""
+
+    def __init__(self, prepare: Callable[[Avatar], None] = lambda avatar: None) -> None:
+        """``prepare``: what else takes its time, in the same thread, before an avatar is handed over."""
+        self._prepare = prepare
+        self._wanted: Mailbox[Path] = Mailbox()
+        self._ready: Mailbox[Avatar | Refused] = Mailbox()
+        self.loading: Path | None = None
+        """What is being opened."""
+        self._thread = threading.Thread(target=self._run, name="loader", daemon=True)
+        self._thread.start()
+
+    def open(self, path: Path) -> None:
+        """Ask for an avatar; returns at once."""
+        self.loading = path
+        self._wanted.put(path)
+
+    def newest(self) -> Avatar | Refused | None:
+        """What came of the last wish; each answer is given once, and none to a wish that another one replaced."""
+        answer = self._ready.take()
+        if answer is None or answer.path != self.loading:
+            return None
+        self.loading = None
+        return answer
+
+    def _run(self) -> None:
+        while True:
+            path = self._wanted.take(timeout=3600.0)
+            if path is not None:
+                self._ready.put(self._opened(path))
+
+    def _opened(self, path: Path) -> Avatar | Refused:
+        try:
+            avatar = open_avatar(path)
+            expression_of(avatar, "learned" if avatar.gem.regressor is not None else "baseline")
+            self._prepare(avatar)
+        except CommandError as error:
+            return Refused(path, str(error))
+        except Exception as error:  # whatever a file does to its readers, the window goes on
+            return Refused(path, f"{path}: cannot be opened ({type(error).__name__}: {error})")
+        return avatar

@@ -1,0 +1,71 @@
+"""Switches the outputs on and off as the state says, and says how they do."""
+
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+
+from ..senders.fan import Fan
+from ..senders.oscout import CoefficientsOut
+from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name
+from ..senders.snapshot import Snapshot
+from ..senders.virtualcamera import open_virtual_camera
+from .actions import Order
+from .state import DeskState
+from .view import OutputLine
+
+NAMES = {"record": "Recording", "virtual_camera": "Virtual camera", "coefficients": "Coefficients"}
+"""Field of the state -> what people call the output."""
+PICTURE = "Picture"
+
+
+class Outputs:
+    """Sits between the state and the senders."""
+
+    def __init__(self, size: tuple[int, int], rate: int, folder: Callable[[], Path]) -> None:
+        """``size`` and ``rate`` of what is written; ``folder`` says where recordings and pictures go."""
+        self.fan = Fan()
+        self._size, self._rate, self._folder = size, rate, folder
+        self._started: set[str] = set()
+
+    def settle(self, state: DeskState) -> tuple[Order, ...]:
+        """Turn on and off what the state wants; orders for switches whose output ended by itself."""
+        ended = []
+        for name, label in NAMES.items():
+            if not getattr(state, name):
+                self._started.discard(name)
+                self.fan.stop(label)
+            elif name not in self._started:
+                self._start(name, label, state)
+            elif not self.fan.running(label):
+                ended.append(Order(name, 0.0))
+        return tuple(ended)
+
+    def picture(self) -> None:
+        """Save the next picture."""
+        self.fan.start(PICTURE, lambda: Snapshot(self._folder()), once=True)
+
+    def lines(self) -> tuple[OutputLine, ...]:
+        """How each does."""
+        return tuple(
+            OutputLine(report.name, report.text or report.phase, report.drops, report.phase == "failed")
+            for report in self.fan.reports()
+        )
+
+    def close(self) -> None:
+        """End all of them, in under a second."""
+        self.fan.close()
+
+    def _start(self, name: str, label: str, state: DeskState) -> None:
+        self._started.add(name)
+        transparent = state.background == "transparent"
+        if name == "record":
+            self.fan.start(label, lambda: self._recording(transparent), depth=RECORDING_DEPTH)
+        elif name == "virtual_camera":
+            self.fan.start(label, lambda: open_virtual_camera(self._size, rate=self._rate))
+        else:
+            self.fan.start(label, CoefficientsOut)
+
+    def _recording(self, transparent: bool) -> Recording:
+        folder = self._folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        return open_recording(recording_name(folder, transparent, datetime.now()), self._size, self._rate, transparent)

@@ -1,0 +1,190 @@
+"""What goes on beside the window, and what was asked of it: the state, the driver, the stage, the outputs."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from ...render.engines import Engine
+from ..casting import Avatar
+from ..shots import Shot
+from .actions import Order
+from .driving import Driving
+from .gauges import Gauges
+from .keys import Keymap
+from .loader import Refused
+from .onstage import OnStage
+from .outputs import Outputs
+from .painter import Image
+from .remote import Remote
+from .roster import Roster
+from .sources import is_avatar
+from .state import DeskState, Limits, restaged, update
+from .view import DeskView, Toast
+
+TOAST_SECS = 6.0
+SHOW_EVERY = 1 / 30
+"""Seconds after which panels are drawn again though the picture is the same."""
+TRANSPORT = ("play", "step", "seek", "loop")
+
+
+class Session:
+    """For the window's thread. Nothing here waits for anything."""
+
+    def __init__(
+        self,
+        state: DeskState,
+        roster: Roster,
+        keymap: Keymap,
+        engine: Callable[[], Engine],
+        outputs: Outputs,
+        size: tuple[int, int] = (720, 720),
+        remote: Remote | None = None,
+        driving: Driving | None = None,
+    ) -> None:
+        """
+        Args:
+            state: as remembered and as the command line has it.
+            roster: the avatars there are; the current one is opened at once.
+            keymap: what keys mean.
+            engine: opens what draws, in the window's thread, when the first avatar is there.
+            outputs: what is written and sent.
+            size: width and height of the picture in pixels.
+            remote: orders from other programs.
+            driving: made here unless given.
+        """
+        self.state, self.keymap, self.outputs, self.remote = state, keymap, outputs, remote
+        self.gauges = Gauges()
+        self.driving = driving or Driving(self.tell)
+        self.stage = OnStage(roster, engine, size, self.gauges)
+        self._toasts: list[tuple[float, Toast]] = []
+        self._shown_at = 0.0
+        for complaint in keymap.conflicts:
+            self.tell(complaint)
+        self.stage.call(roster.numbered(roster.current + 1))
+
+    def obey(self, order: Order) -> None:
+        """Do what was asked for."""
+        if order.name != "play" or self.driving.transport is None:
+            self.state = update(self.state, order)
+        self._carry_out(order)
+
+    def settle(self, now: float) -> None:
+        """Bring about what the state says, as far as it is ready."""
+        answer = self.stage.arrived()
+        if isinstance(answer, Refused):
+            self.tell(answer.reason, alarm=True)
+        elif answer is not None and self.driving.cast(answer):
+            self.stage.await_shot(answer, now)
+        for order in self.outputs.settle(self.state):
+            self.obey(order)
+        every = self.gauges.quality(self._components).detector_every
+        if self.stage.avatar is not None and self.driving.settle(
+            self.state, every, self.stage.avatar, self.stage.shot, now
+        ):
+            self.obey(Order("neutral"))
+
+    def newest(self, now: float) -> Shot | None:
+        """The newest shot that is to be shown; another avatar comes on stage with its first one."""
+        shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
+        if changed and self.stage.avatar is not None:
+            self.state = restaged(self.state, limits_of(self.stage.avatar))
+        return shot
+
+    def draw(self, shot: Shot | None, now: float) -> Image | None:
+        """The picture that outputs get; None when the last one still holds."""
+        return self.stage.draw(self.state, self.gauges.quality(self._components), shot is not None, now)
+
+    def offer(self, picture: Image, now: float) -> None:
+        """Give the outputs a picture; behind the curtain no coefficients go with it."""
+        stage = self.stage
+        open_ = not self.state.curtain and stage.avatar is not None
+        self.outputs.fan.offer(
+            picture, now, stage.pose if open_ else None, stage.avatar.sha256 if open_ and stage.avatar else ""
+        )
+
+    def preview(self, picture: Image) -> Image:
+        """What the window shows of that picture."""
+        return self.stage.preview(picture, self.state)
+
+    def due(self, now: float) -> bool:
+        """Whether panels want to be drawn again."""
+        return now - self._shown_at >= SHOW_EVERY
+
+    def shown(self, shot: Shot | None, picture: bool, worked: float, now: float) -> None:
+        """A frame was swapped at ``now``, with or without another picture in it."""
+        self._shown_at = now
+        if picture:
+            ladder = self.state.ladder and not self.state.compare
+            self.gauges.shown(shot, worked, self._components, ladder, now)
+
+    def view(self, now: float) -> DeskView:
+        """All that the panels show."""
+        self._toasts = [(until, toast) for until, toast in self._toasts if until > now]
+        stage, driving = self.stage, self.driving
+        return DeskView(
+            state=self.state,
+            keymap=self.keymap,
+            avatars=stage.roster.names,
+            on_stage=stage.roster.current,
+            loading=stage.loading,
+            avatar=stage.facts,
+            health=driving.health,
+            shot=stage.shot,
+            cameras=driving.cameras,
+            transport=driving.transport,
+            readings=self.gauges.read(driving.health, stage.engine, self._components, now),
+            curve=stage.curve,
+            rest=driving.neutral.told(),
+            outputs=self.outputs.lines(),
+            toasts=tuple(toast for _, toast in self._toasts[-3:]),
+            error_db=stage.error_db if self.state.compare else None,
+        )
+
+    def orders(self) -> list[Order]:
+        """What other programs ask for."""
+        return self.remote.orders() if self.remote is not None else []
+
+    def tell(self, words: str, alarm: bool = False) -> None:
+        """Say something over the picture for some seconds."""
+        self._toasts.append((time.perf_counter() + TOAST_SECS, Toast(words, alarm)))
+
+    def close(self) -> None:
+        """End everything, in under a second."""
+        self.driving.close()
+        self.outputs.close()
+        self.stage.close()
+        if self.remote is not None:
+            self.remote.close()
+
+    @property
+    def _components(self) -> int:
+        return self.state.used_components
+
+    def _carry_out(self, order: Order) -> None:
+        """What an order does besides changing the state."""
+        name, value, roster = order.name, order.value, self.stage.roster
+        words = value if isinstance(value, str) else ""
+        if name in TRANSPORT:
+            self.driving.press(order, self.state)
+        elif name == "avatar" and isinstance(value, float | int):
+            self.stage.call(roster.numbered(value))
+        elif name in ("previous_avatar", "next_avatar"):
+            self.stage.call(roster.beside(1 if name == "next_avatar" else -1))
+        elif name == "open" and words:
+            self.stage.call(Path(words).expanduser()) if is_avatar(words) else self.driving.open(words)
+        elif name == "camera":
+            self.driving.open_camera(words)
+        elif name == "demo":
+            self.driving.open_demo()
+        elif name == "no_source":
+            self.driving.use(None, "")
+        elif name == "relock":
+            self.driving.relock()
+        elif name == "picture":
+            self.outputs.picture()
+
+
+def limits_of(avatar: Avatar) -> Limits:
+    """What an avatar allows."""
+    viewing = avatar.gem.viewing
+    return Limits(avatar.gem.components, viewing.yaw_limit_deg, viewing.pitch_limit_deg)
