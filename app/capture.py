@@ -4,7 +4,10 @@ import threading
 import time
 from collections.abc import Callable
 
+import numpy as np
+
 from ..models.driver.face import FaceTracker
+from ..models.driver.features import DIMENSION
 from ..models.driver.neutral import NeutralChoice
 from .casting import Avatar
 from .following import Tracker
@@ -15,7 +18,7 @@ from .tuning import Tuning
 
 __all__ = ["Capture", "Tuning"]
 
-FAREWELL_SECS = 0.8
+FAREWELL_SECS = 0.7
 """How long closing waits for the thread; one that hangs longer ends with the program."""
 
 
@@ -53,7 +56,9 @@ class Capture:
         self._ask_and_show(lambda: self._loop.acting.tune(tuning))
 
     def rest(self, neutral: NeutralChoice | None) -> None:
-        """The neutral that counts from now on; None: it is looked for anew."""
+        """The neutral that counts from now on; None: it is looked for anew. Raises ValueError for one that is none."""
+        if neutral is not None and not _is_usable(neutral):
+            raise ValueError(f"no neutral: {neutral.features.shape} features, expected {DIMENSION} finite ones")
         self._ask_and_show(lambda: self._loop.acting.rest(neutral))
 
     def relock(self) -> None:
@@ -92,3 +97,8 @@ class Capture:
                 self._loop.turn()
         finally:
             self._loop.close()
+
+
+def _is_usable(neutral: NeutralChoice) -> bool:
+    values = np.concatenate([np.ravel(neutral.features), np.ravel(neutral.rotation)])
+    return neutral.features.shape == (DIMENSION,) and neutral.rotation.shape == (3,) and bool(np.isfinite(values).all())

@@ -105,7 +105,7 @@ class Loop:
         """One round; never raises."""
         self._wished.clear()
         while self._wishes:
-            self._wishes.popleft()()
+            self._grant(self._wishes.popleft())
         delivery = self._read()
         now = self._clock()
         shot = None
@@ -132,6 +132,13 @@ class Loop:
         """Whether the source stands still because somebody wants it to."""
         source = self.link.source if self.link else None
         return source is not None and source.transport is not None and not source.transport.playing
+
+    def _grant(self, wish: Callable[[], None]) -> None:
+        try:
+            wish()
+        except Exception as error:  # a wish that cannot be granted must not end the show
+            _log.exception("a wish could not be granted")
+            self._trouble = (f"That could not be done ({error}).", "")
 
     def _wait(self, seconds: float) -> None:
         self._wished.wait(seconds)
