@@ -54,6 +54,13 @@ def laid_out(view: DeskView, width: float, height: float) -> Layout:
     )
 
 
+def covers(view: DeskView) -> bool:
+    """Whether anything lies over the picture, which then cannot be drawn without it."""
+    state = view.state
+    modes = (state.welcome, state.help, state.prompt, state.curve, state.menu, state.compare, state.resting)
+    return any(modes) or notices.said(view)
+
+
 class Panels:
     """Draws all panels of a frame; keeps only what imgui needs from one frame to the next."""
 

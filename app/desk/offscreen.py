@@ -43,8 +43,7 @@ class DeskOffscreen:
         self.keymap = view.keymap
         if picture is not None:
             self._screen.put(picture)
-        self._target.use()
-        self._screen.draw(view, self.size)
+        self._screen.draw(view, self._target)
         self._orders += self._screen.orders
         self._screen.orders.clear()
         self.shown += 1

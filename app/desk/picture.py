@@ -16,7 +16,13 @@ void main() {
     gl_Position = vec4(place.xy + corner * place.zw, 0.0, 1.0);
 }
 """
-_FRAGMENT = """#version 330 core
+_OPAQUE = """#version 330 core
+uniform sampler2D picture;
+in vec2 at;
+out vec4 colour;
+void main() { colour = vec4(texture(picture, at).rgb, 1.0); }
+"""
+_TRANSPARENT = """#version 330 core
 uniform sampler2D picture;
 uniform vec2 corner_px;
 uniform float square_px;
@@ -58,8 +64,12 @@ class PictureOnScreen:
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        self._program = context.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
-        self._quad = context.vertex_array(self._program, [])
+        # two programs: on a software renderer every line of a shader counts
+        self._programs = {
+            channels: context.program(vertex_shader=_VERTEX, fragment_shader=shader)
+            for channels, shader in ((3, _OPAQUE), (4, _TRANSPARENT))
+        }
+        self._quads = {channels: context.vertex_array(program, []) for channels, program in self._programs.items()}
         self._texture: moderngl.Texture | None = None
 
     def put(self, picture: NDArray[np.uint8]) -> None:
@@ -81,21 +91,23 @@ class PictureOnScreen:
         self._context.viewport = (0, 0, *screen)
         width, height = screen
         bottom = height - place.top - place.height
-        self._program["place"].value = (
+        program = self._programs[self._texture.components]
+        program["place"].value = (
             2 * place.left / width - 1,
             2 * bottom / height - 1,
             2 * place.width / width,
             2 * place.height / height,
         )
-        self._program["mirrored"].value = float(mirrored)
-        self._program["corner_px"].value = (place.left, bottom)
-        self._program["square_px"].value = SQUARE_PX
+        program["mirrored"].value = float(mirrored)
+        if self._texture.components == 4:
+            program["corner_px"].value = (place.left, bottom)
+            program["square_px"].value = SQUARE_PX
         self._texture.use(0)
-        self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._quads[self._texture.components].render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def close(self) -> None:
         """Release what it holds on the GPU."""
-        for resource in (self._texture, self._quad, self._program):
+        for resource in (self._texture, *self._quads.values(), *self._programs.values()):
             if resource is not None:
                 resource.release()
         self._texture = None

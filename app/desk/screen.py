@@ -1,5 +1,6 @@
-"""One frame of the window: the picture and the panels over it, in whatever framebuffer is bound."""
+"""One frame of the window: the picture and the panels over it, into whatever framebuffer."""
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,14 +11,17 @@ from numpy.typing import NDArray
 
 from . import theme
 from .actions import Order
-from .layout import Panels, laid_out
+from .layout import Layout, Panels, covers, laid_out
 from .picture import Area, PictureOnScreen
+from .state import DeskState
 from .view import DeskView
 
 GRIP_PX = 12.0
 """How near to the split's line the pointer takes it."""
 DEGREES_PER_PX = 0.3
 ZOOM_PER_NOTCH = 0.1
+PANELS_EVERY = 0.08
+"""Seconds between two drawings of panels that nobody touches."""
 
 
 class Screen:
@@ -38,6 +42,11 @@ class Screen:
         self._scale = 0.0
         self._size: tuple[int, int] | None = None
         self._held = ""
+        self._canvas = context.simple_framebuffer((1, 1), 4)
+        self._state: DeskState | None = None
+        self._shown: Area | None = None
+        self._covered = False
+        self._panels_at = float("-inf")
         self.orders: list[Order] = []
 
     @property
@@ -50,8 +59,46 @@ class Screen:
         self._picture.put(picture)
         self._size = (picture.shape[1], picture.shape[0])
 
-    def draw(self, view: DeskView, size: tuple[int, int], begin: Callable[[], None] | None = None) -> None:
-        """Draw a frame of ``size`` pixels; ``begin`` tells imgui of pointer and keys."""
+    def draw(
+        self,
+        view: DeskView,
+        target: moderngl.Framebuffer,
+        begin: Callable[[], None] | None = None,
+        touched: bool = True,
+    ) -> None:
+        """Draw a frame into ``target``.
+
+        Args:
+            view: what panels show.
+            target: all of it is drawn.
+            begin: tells imgui of pointer and keys.
+            touched: whether pointer or keys moved since the last frame. While they did not and nothing lies over the
+                picture, panels are drawn a dozen times a second, the picture each time: a third of the work.
+        """
+        size, now = target.size, time.perf_counter()
+        if self._canvas.size != size:
+            self._canvas.release()
+            self._canvas, touched = self._context.simple_framebuffer(size, 4), True
+        layout = laid_out(view, *size)
+        shown = layout.picture.fitted(*self._size) if self._size is not None else None
+        alike = view.state == self._state and shown == self._shown
+        self._canvas.use()
+        if alike and not touched and not self._covered and now - self._panels_at < PANELS_EVERY and not covers(view):
+            if shown is not None:
+                self._picture.draw(shown, size, view.state.mirror)
+        else:
+            self._state, self._shown, self._panels_at = view.state, shown, now
+            self._draw_all(view, layout, shown, size, begin)
+        self._context.copy_framebuffer(target, self._canvas)
+
+    def _draw_all(
+        self,
+        view: DeskView,
+        layout: Layout,
+        shown: Area | None,
+        size: tuple[int, int],
+        begin: Callable[[], None] | None,
+    ) -> None:
         if view.state.ui_scale != self._scale:
             self._scale = view.state.ui_scale
             theme.dress(self._scale)
@@ -60,10 +107,10 @@ class Screen:
         if begin is not None:
             begin()
         imgui.new_frame()
-        layout = laid_out(view, *size)
-        shown = layout.picture.fitted(*self._size) if self._size is not None else None
         self._panels.draw(view, self._ask, layout, shown)
         self._point(view, layout.picture, shown)
+        any_popup = imgui.PopupFlags_.any_popup.value
+        self._covered = imgui.is_any_item_hovered() or imgui.is_any_item_active() or imgui.is_popup_open("", any_popup)
         imgui.render()
         self._context.viewport = (0, 0, *size)
         self._context.clear(*theme.GROUND)
@@ -74,6 +121,7 @@ class Screen:
     def close(self) -> None:
         """Release what it holds."""
         self._picture.close()
+        self._canvas.release()
         imgui.backends.opengl3_shutdown()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._gui)

@@ -5,6 +5,7 @@ from typing import Any
 
 from imgui_bundle import imgui  # isort: skip (first: it tells glfw which library both use)
 import glfw  # isort: skip
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,6 +53,8 @@ class DeskWindow:
         self._walking = False
         self._modifiers = 0
         self._repeated = False
+        self._front: moderngl.Framebuffer | None = None
+        self._touched = True
         self._clean: CleanWindow | None = None
         self._placed: tuple[int, int, int, int] | None = None
         glfw.set_window_size_limits(self._window, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
@@ -60,6 +63,8 @@ class DeskWindow:
         glfw.set_char_callback(self._window, self._on_character)
         glfw.set_drop_callback(self._window, self.on_drop)  # pyright: ignore[reportArgumentType] (glfw makes a list)
         glfw.set_window_close_callback(self._window, self._on_close)
+        for listen in (glfw.set_cursor_pos_callback, glfw.set_mouse_button_callback, glfw.set_scroll_callback):
+            listen(self._window, self._on_touch)
         self._screen = Screen(self.context)
         # imgui calls the callbacks that are there already: it comes last
         imgui.backends.glfw_init_for_opengl(ctypes.cast(self._window, ctypes.c_void_p).value or 0, True)
@@ -96,8 +101,8 @@ class DeskWindow:
             return
         if view.state.full_screen != (glfw.get_window_monitor(self._window) is not None):
             self._fill(view.state.full_screen)
-        self.context.screen.use()
-        self._screen.draw(view, self._pixels(), imgui.backends.glfw_new_frame)
+        self._screen.draw(view, self._surface(), imgui.backends.glfw_new_frame, self._touched or bool(self._orders))
+        self._touched = False
         self._orders += self._screen.orders
         self._screen.orders.clear()
         glfw.swap_buffers(self._window)
@@ -125,6 +130,18 @@ class DeskWindow:
         self._screen.close()
         glfw.destroy_window(self._window)
         glfw.terminate()
+
+    def _surface(self) -> moderngl.Framebuffer:
+        """The window's framebuffer, which moderngl believes to have the size it was first seen with."""
+        size = self._pixels()
+        if self._front is None or self._front.size != size:
+            self.context.screen.use()
+            self.context.viewport = (0, 0, *size)
+            self._front = self.context.detect_framebuffer(0)
+        return self._front
+
+    def _on_touch(self, *_: Any) -> None:
+        self._touched = True
 
     def _pixels(self) -> tuple[int, int]:
         return glfw.get_framebuffer_size(self._window)

@@ -22,6 +22,11 @@ def notices(view: DeskView, picture: Area) -> None:
         bottom = _pill(pen, words, ink, picture, bottom, unit) - 8 * unit
 
 
+def said(view: DeskView) -> bool:
+    """Whether there is anything to say."""
+    return any(_sentences(view))
+
+
 def comparison(view: DeskView, picture: Area) -> None:
     """The line between the two halves, and what each shows."""
     pen, unit, state = imgui.get_background_draw_list(), scale(view), view.state
