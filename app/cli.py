@@ -5,7 +5,7 @@ import sys
 
 from cyclopts import App, CycloptsError
 
-from .commands import avatars, driven, machine
+from .commands import avatars, driven, live, machine
 from .errors import CommandError, ExitCode
 
 EXIT_CODES = """Exit codes: 0 done, 1 unexpected failure, 2 wrong usage, 3 an input cannot be used, 4 no face anywhere,
@@ -20,7 +20,7 @@ app = App(
 )
 
 for command in (
-    *(driven.reenact, driven.demo, driven.track),
+    *(live.live, driven.reenact, driven.demo, driven.track),
     *(avatars.info, avatars.modes, avatars.export, avatars.train_regressor),
     *(machine.bench, machine.doctor),
 ):

@@ -12,7 +12,10 @@ from .reenact import Wish, reenact
 
 
 def run_demo(out: str, avatar: str | None, engine: Literal["auto", "quads", "software"], window: bool) -> ExitCode:
-    """Write the demo video, say where it is, and play it where there is a display. Raises CommandError."""
+    """Write the demo video, say where it is, and open the live window with it where there is a display.
+
+    Raises CommandError.
+    """
     if not DEMO_CLIP.is_file():
         raise InputError(f"{DEMO_CLIP}: the demo clip is missing; restore the folder assets/demo of the repository")
     path = find_avatar(avatar)
@@ -22,9 +25,9 @@ def run_demo(out: str, avatar: str | None, engine: Literal["auto", "quads", "sof
     if code is ExitCode.OK:
         print(f"Done: open {Path(out).resolve()}; the face of the clip is on the left, the avatar on the right.")
         if window and has_display():
-            from .player import play
+            from .desk.command import live_command
 
-            play(Path(out))
+            return live_command(str(DEMO_CLIP), avatar, engine=engine)
     return code
 
 

@@ -28,7 +28,7 @@ def live_command(
     avatar: str | None = None,
     camera: str | None = None,
     components: int | None = None,
-    size: tuple[int, int] = (720, 720),
+    size: tuple[int, int] = (512, 512),
     engine: EngineName = "auto",
     listen: str | None = None,
     welcome: bool = True,

@@ -55,7 +55,8 @@ class DeskOffscreen:
 
     def pixels(self) -> NDArray[np.uint8]:
         """[H, W, 3] what is on the screen, upright."""
-        raw = np.frombuffer(self._target.read(components=3), np.uint8)
+        with self.context:
+            raw = np.frombuffer(self._target.read(components=3), np.uint8)
         return raw.reshape(self.size[1], self.size[0], 3)[::-1].copy()
 
     def resize(self, size: tuple[int, int]) -> None:

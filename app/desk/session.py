@@ -37,7 +37,7 @@ class Session:
         keymap: Keymap,
         engine: Callable[[], Engine],
         outputs: Outputs,
-        size: tuple[int, int] = (720, 720),
+        size: tuple[int, int] = (512, 512),
         remote: Remote | None = None,
         driving: Driving | None = None,
     ) -> None:

@@ -9,7 +9,7 @@ from gemheads.app.errors import ExitCode
 
 from .conftest import Clip
 
-COMMANDS = ("reenact", "demo", "info", "modes", "export", "bench", "doctor", "track", "train-regressor")
+COMMANDS = ("live", "reenact", "demo", "info", "modes", "export", "bench", "doctor", "track", "train-regressor")
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
@@ -59,7 +59,8 @@ assert not heavy, heavy
 NO_TORCH = """
 import sys
 sys.modules["torch"] = None  # importing it now raises
-from gemheads.app import bench, cli, demo, doctor, export, info, live, modes, player, reenact, tracking, training, warm
+from gemheads.app.desk import command
+from gemheads.app import bench, cli, demo, doctor, export, info, live, modes, reenact, tracking, training, warm
 cli.main(["info"])
 """
 
