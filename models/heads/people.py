@@ -54,6 +54,8 @@ class Person:
     """Factor on the diffuse map, linear light."""
     lip: Rgb = (0.72, 0.40, 0.38)
     """Lip colour, sRGB."""
+    lip_gloss: float = 0.8
+    """Oiliness of the lips over that of skin: on dark lips a little reads as much."""
     freckles: float = 0.0
     """0..1"""
     stubble: float = 0.0
@@ -153,7 +155,9 @@ THEO = Person(
     stubble=0.45,
     wrinkles=1.0,
     brow_lift=0.002,
-    rest=RELAXED | {"mouthSmileLeft": 0.18, "mouthSmileRight": 0.18},
+    rest=RELAXED
+    | {"mouthSmileLeft": 0.18, "mouthSmileRight": 0.18}
+    | {"browInnerUp": 0.05, "browOuterUpLeft": 0.30, "browOuterUpRight": 0.30},
     gain=_paired({"browOuterUp": 1.4, "mouthUpperUp": 2.1, "mouthFrown": 1.6}) | {"browInnerUp": 1.25},
 )
 
@@ -175,7 +179,8 @@ JONAH = Person(
     brow_color=(0.07, 0.05, 0.045),
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
     seed=37,
-    lip=(0.35, 0.205, 0.19),
+    lip=(0.35, 0.20, 0.18),
+    lip_gloss=0.2,
     stubble=0.35,
     rest=RELAXED,
     gain={"browInnerUp": 1.3, "mouthPucker": 1.15},

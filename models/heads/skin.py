@@ -121,7 +121,7 @@ def albedo(
         + 0.4 * _blob(canvas, 0, 45, 40, 25)
         + 0.25 * _blob(canvas, 40, -25, 16, 12)
     )
-    oil = (oil + 0.8 * lips) * (1 - 0.9 * scalp) * (1 + 0.25 * fine + 0.25 * grain * pores) * (1 - mouth)
+    oil = (oil + person.lip_gloss * lips) * (1 - 0.9 * scalp) * (1 + 0.25 * fine + 0.25 * grain * pores) * (1 - mouth)
     return np.clip(color, 0.003, 0.95), np.clip(oil, 0, 2)
 
 

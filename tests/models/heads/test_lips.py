@@ -1,0 +1,43 @@
+"""Pursed lips are narrow and forward, and only the mouth moves; little light reaches teeth far behind the lips."""
+
+import numpy as np
+import pytest
+from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, mouth_light, pursed
+
+BODY = np.zeros((CORNER + 1, 3))
+BODY[CORNER] = (0.25, -0.66, 0.19)
+BODY[MIDDLE] = (0.0, -0.65, 0.31)
+BODY[LOWER] = (0.0, -0.68, 0.30)
+CHEEK = 0
+BODY[CHEEK] = (0.7, -0.4, 0.1)
+JAW_OPEN = np.zeros_like(BODY)
+JAW_OPEN[LOWER, 1] = -0.34
+STILL = np.zeros_like(BODY)
+
+
+@pytest.mark.parametrize("name", sorted(PURSES))
+def test_lips_get_narrower_and_come_forward(name: str) -> None:
+    moved = pursed(PURSES[name], STILL, BODY, JAW_OPEN)
+    assert moved[CORNER, 0] < -0.1 * BODY[CORNER, 0]
+    assert moved[MIDDLE, 2] > 0.01
+    np.testing.assert_allclose(moved[CHEEK], 0, atol=1e-3)
+
+
+def test_a_funnel_opens_and_a_pucker_does_not() -> None:
+    def gap(name: str) -> float:
+        moved = pursed(PURSES[name], STILL, BODY, JAW_OPEN)
+        return float(moved[MIDDLE, 1] - moved[LOWER, 1])
+
+    assert gap("mouthFunnel") > 0.06
+    assert abs(gap("mouthPucker")) < 0.02
+
+
+def test_light_grows_with_the_opening_and_fades_with_depth() -> None:
+    def light(gap: float, depth: float) -> float:
+        rim = np.array([[0.025, -0.066, 0.08], [0, -0.066 + gap / 2, 0.09], [0, -0.066 - gap / 2, 0.09]])
+        return mouth_light(rim, 0.09 - depth)
+
+    assert light(0, 0.006) == 0
+    assert light(0.002, 0.006) < light(0.010, 0.006) < light(0.030, 0.006) < 1
+    assert light(0.010, 0.020) < light(0.010, 0.006)
+    assert light(-0.004, 0.006) == 0
