@@ -1,4 +1,4 @@
-"""Commands about an avatar by itself: info, modes, export and train-regressor."""
+"""Commands about an avatar by itself: info, modes, export, distill and train-regressor."""
 
 from pathlib import Path
 from typing import Annotated
@@ -75,6 +75,40 @@ def export(
         export_track(path, track, Path(out), components)
     print(out)
     return ExitCode.OK
+
+
+def distill(
+    source: str,
+    /,
+    *,
+    out: Out,
+    components: int = 50,
+    name: str | None = None,
+    author: str = "",
+    licence: str = "",
+    consent: str = "",
+    frames: int = 600,
+    scale: float = 1.0,
+    seed: int = 0,
+) -> int:
+    """Make an avatar of somebody else's: a LAM avatar, or numbered PLY files of splats.
+
+    Args:
+        source: A folder with skin.glb and offset.ply (LAM); or a PLY file, a folder of them, or a quoted pattern.
+        out: The .gem to write.
+        components: How many components to keep of each modality.
+        name: What people call it. Default: the name of the file.
+        author: Who made it.
+        licence: Under which terms it may be passed on; those of the source hold for the avatar too.
+        consent: Whose likeness it is, and what they agreed to.
+        frames: How many expressions a LAM avatar performs for it.
+        scale: Metres of one unit of the PLY files (y up, the face looks along +z).
+        seed: Of the performance; the same seed and source give the same file.
+    """
+    from ..distilling import Wanted, run_distilling
+
+    about = {"author": author, "licence": licence, "consent": consent}
+    return run_distilling(source, Path(out), Wanted(name, components, frames, seed, scale, about))
 
 
 def train_regressor(
