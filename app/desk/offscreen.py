@@ -41,9 +41,10 @@ class DeskOffscreen:
         inputs.display_size = imgui.ImVec2(*self.size)
         inputs.delta_time = FRAME_SECS
         self.keymap = view.keymap
-        if picture is not None:
-            self._screen.put(picture)
-        self._screen.draw(view, self._target)
+        with self.context:  # whoever drew in it or read from it has let it go
+            if picture is not None:
+                self._screen.put(picture)
+            self._screen.draw(view, self._target)
         self._orders += self._screen.orders
         self._screen.orders.clear()
         self.shown += 1
