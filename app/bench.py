@@ -78,7 +78,7 @@ def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None 
         avatar: name or file of an avatar to measure besides the synthetic scenes.
     """
     engines, about = _engines()
-    report = Report(_cpu(), os.cpu_count() or 1, about, [])
+    report = Report(cpu_name(), os.cpu_count() or 1, about, [])
     try:
         for gem in _scenes(quick, avatar):
             for components in COMPONENTS[:1] if quick else COMPONENTS:
@@ -180,7 +180,8 @@ def _sum(values: Any) -> Any:
     return total
 
 
-def _cpu() -> str:
+def cpu_name() -> str:
+    """What the processor calls itself."""
     try:
         lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
         return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
