@@ -14,6 +14,8 @@ def bench(
     avatar: AvatarName = None,
     json: Path | None = None,
     quick: Annotated[bool, Parameter(negative="")] = False,
+    live: Annotated[bool, Parameter(negative="")] = False,
+    seconds: float = 20.0,
 ) -> int:
     """Measure drawing on this machine: median milliseconds by stage and frames per second.
 
@@ -21,7 +23,14 @@ def bench(
         avatar: Name of an avatar or a .gem file to measure besides the synthetic scenes.
         json: Also write the figures as JSON.
         quick: Only the smallest scene.
+        live: Measure the live window instead: pictures a second, and latency read from the screen's pixels.
+        seconds: How long to measure the live window.
     """
+    if live:
+        from ..bench_live import run_live_bench
+
+        run_live_bench(seconds=seconds, json=json, avatar=avatar)
+        return ExitCode.OK
     from ..bench import run_bench
 
     run_bench(json=json, quick=quick, avatar=avatar)
