@@ -15,18 +15,16 @@ BROW_TOLERANCE = 0.05
 """The same for heights of brows: they follow the brows where the scores hardly move."""
 SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
-FAINT_TOLERANCE = 0.025
-"""The same for scores that move little on any face."""
-FAINT = ("browInnerUp", "browDownLeft", "browDownRight", "mouthFunnel")
-LEADING = (
-    *("mouthSmileLeft", "mouthSmileRight", "eyeBlinkLeft", "eyeBlinkRight", "browInnerUp"),
-    *("browDownLeft", "browDownRight", "eyeLookOutLeft", "eyeLookInLeft", "eyeLookOutRight", "eyeLookInRight"),
-)
-"""What people look at first when they judge whether an avatar follows."""
-LEADING_FACTOR = 0.5
-"""The tolerance of the leading scores against the others."""
-CLOSE = {"jawOpen": 0.015, "mouthPucker": 0.008}
-"""Scores that many landmarks contradict a little: held closely, or they lose against lip gap and mouth width."""
+CLOSE = {
+    **dict.fromkeys(("browInnerUp", "browDownLeft", "browDownRight", "mouthPucker"), 0.008),
+    **dict.fromkeys(("eyeBlinkLeft", "eyeBlinkRight"), 0.01),
+    "jawOpen": 0.015,
+    **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),
+    "mouthFunnel": 0.025,
+    **dict.fromkeys(("eyeLookOutLeft", "eyeLookInLeft", "eyeLookOutRight", "eyeLookInRight"), 0.03),
+}
+"""The same for what people look at first when they judge whether an avatar follows: brows and pucker move little on any
+face, and all of these would lose against the many landmarks that contradict them a little."""
 UNTRUSTED_SCORES = (
     "mouthClose",
     "mouthShrugUpper",
@@ -52,9 +50,6 @@ def channel_indices() -> NDArray[np.int64]:
 def channel_tolerances() -> NDArray[np.float32]:
     """[T] how far apart two channels may be before it counts, in the unit of each."""
     tolerances = np.full(DIMENSION, SCORE_TOLERANCE, np.float32)
-    for names, factor in ((FAINT, FAINT_TOLERANCE / SCORE_TOLERANCE), (LEADING, LEADING_FACTOR)):
-        for name in names:
-            tolerances[SCORES.start + SCORE_NAMES.index(name)] *= factor
     for name, tolerance in CLOSE.items():
         tolerances[SCORES.start + SCORE_NAMES.index(name)] = tolerance
     tolerances[BLOCKS["gaze"]] = GAZE_TOLERANCE
