@@ -1,5 +1,8 @@
 """A second window with nothing but the picture in it."""
 
+from collections.abc import Callable
+from typing import Any
+
 import glfw
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +14,16 @@ from .picture import Area, PictureOnScreen
 class CleanWindow:
     """A second window with nothing but the picture, to be captured by other programs."""
 
-    def __init__(self, size: tuple[int, int], title: str = "gemheads clean") -> None:
-        """Opens beside the first window, whose context is current again afterwards. Raises NoOpenGLError."""
+    def __init__(self, size: tuple[int, int], listen: Callable[[Any], None], title: str = "gemheads clean") -> None:
+        """Opens beside the first window, which keeps keyboard and context.
+
+        ``listen`` is given the new window's handle to hear its keys. Raises NoOpenGLError.
+        """
         before = glfw.get_current_context()
+        for hint in (glfw.FOCUSED, glfw.FOCUS_ON_SHOW):
+            glfw.window_hint(hint, glfw.FALSE)
         self._window, self._context = window_context(*size, title)
+        listen(self._window)
         glfw.swap_interval(0)
         self._picture = PictureOnScreen(self._context)
         glfw.make_context_current(before)

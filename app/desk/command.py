@@ -71,6 +71,7 @@ def live_command(
     try:
         run_live(desk, session)
     finally:
+        desk.hide()  # what ends in its own thread may take a moment longer
         playing = session.stage.roster
         settings = remembered(session.state, settings)
         named = str(playing.paths[playing.current]) if playing.paths else ""

@@ -47,7 +47,12 @@ class Outputs:
     def lines(self) -> tuple[OutputLine, ...]:
         """How each does."""
         return tuple(
-            OutputLine(report.name, report.text or report.phase, report.drops, report.phase == "failed")
+            OutputLine(
+                report.name,
+                (report.text or report.phase).replace(str(Path.home()), "~"),
+                report.drops,
+                report.phase == "failed",
+            )
             for report in self.fan.reports()
         )
 

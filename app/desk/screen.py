@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import theme
 from .actions import Order
+from .canvas import Canvas
 from .layout import Layout, Panels, covers, laid_out
 from .picture import Area, PictureOnScreen
 from .state import DeskState
@@ -42,7 +43,7 @@ class Screen:
         self._scale = 0.0
         self._size: tuple[int, int] | None = None
         self._held = ""
-        self._canvas = context.simple_framebuffer((1, 1), 4)
+        self._canvas = Canvas(context)
         self._state: DeskState | None = None
         self._shown: Area | None = None
         self._covered = False
@@ -76,20 +77,19 @@ class Screen:
                 picture, panels are drawn a dozen times a second, the picture each time: a third of the work.
         """
         size, now = target.size, time.perf_counter()
-        if self._canvas.size != size:
-            self._canvas.release()
-            self._canvas, touched = self._context.simple_framebuffer(size, 4), True
+        touched = self._canvas.fit(size) or touched
         layout = laid_out(view, *size)
         shown = layout.picture.fitted(*self._size) if self._size is not None else None
         alike = view.state == self._state and shown == self._shown
-        self._canvas.use()
         if alike and not touched and not self._covered and now - self._panels_at < PANELS_EVERY and not covers(view):
+            self._canvas.copy(target, around=shown)
             if shown is not None:
                 self._picture.draw(shown, size, view.state.mirror)
         else:
             self._state, self._shown, self._panels_at = view.state, shown, now
+            self._canvas.use()
             self._draw_all(view, layout, shown, size, begin)
-        self._context.copy_framebuffer(target, self._canvas)
+            self._canvas.copy(target, around=None)
 
     def _draw_all(
         self,
@@ -121,7 +121,7 @@ class Screen:
     def close(self) -> None:
         """Release what it holds."""
         self._picture.close()
-        self._canvas.release()
+        self._canvas.close()
         imgui.backends.opengl3_shutdown()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._gui)

@@ -57,7 +57,7 @@ class Session:
         self.driving = driving or Driving(self.tell)
         self.stage = OnStage(roster, engine, size, self.gauges)
         self._toasts: list[tuple[float, Toast]] = []
-        self._shown_at = 0.0
+        self._shown_at, self._lowered = 0.0, ""
         for complaint in keymap.conflicts:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
@@ -121,6 +121,10 @@ class Session:
         """All that the panels show."""
         self._toasts = [(until, toast) for until, toast in self._toasts if until > now]
         stage, driving = self.stage, self.driving
+        readings = self.gauges.read(driving.health, stage.engine, self._components, now)
+        if readings.lowered and readings.lowered != self._lowered:
+            self.tell(f"{readings.lowered} J switches this off.")
+        self._lowered = readings.lowered
         return DeskView(
             state=self.state,
             keymap=self.keymap,
@@ -132,7 +136,7 @@ class Session:
             shot=stage.shot,
             cameras=driving.cameras,
             transport=driving.transport,
-            readings=self.gauges.read(driving.health, stage.engine, self._components, now),
+            readings=readings,
             curve=stage.curve,
             rest=driving.neutral.told(),
             outputs=self.outputs.lines(),

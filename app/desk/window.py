@@ -59,8 +59,7 @@ class DeskWindow:
         self._placed: tuple[int, int, int, int] | None = None
         glfw.set_window_size_limits(self._window, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.swap_interval(1)
-        glfw.set_key_callback(self._window, self._on_key)
-        glfw.set_char_callback(self._window, self._on_character)
+        self._listen(self._window)
         glfw.set_drop_callback(self._window, self.on_drop)  # pyright: ignore[reportArgumentType] (glfw makes a list)
         glfw.set_window_close_callback(self._window, self._on_close)
         for listen in (glfw.set_cursor_pos_callback, glfw.set_mouse_button_callback, glfw.set_scroll_callback):
@@ -95,6 +94,7 @@ class DeskWindow:
     def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
         """Draw a frame and swap; ``picture`` [H, W, 3|4] stays until another one comes. Nothing while minimised."""
         self.keymap, self._walking = view.keymap, view.state.walk
+        glfw.make_context_current(self._window)  # an engine that drew in it has let it go
         if picture is not None:
             self._screen.put(picture)
         if not self.visible:
@@ -115,13 +115,17 @@ class DeskWindow:
             self._clean = None
             return picture is None
         if self._clean is None:
-            self._clean = CleanWindow((picture.shape[1], picture.shape[0]))
+            self._clean = CleanWindow((picture.shape[1], picture.shape[0]), self._listen)
         self._clean.show(picture)
         return True
 
     def on_drop(self, window: Any, paths: list[str]) -> None:
         """Files were dropped on the window."""
         self._orders += dropped(paths)
+
+    def hide(self) -> None:
+        """Take it off the screen."""
+        glfw.hide_window(self._window)
 
     def close(self) -> None:
         """Close the window."""
@@ -156,6 +160,11 @@ class DeskWindow:
         elif self._placed is not None:
             nowhere: Any = None
             glfw.set_window_monitor(self._window, nowhere, *self._placed, glfw.DONT_CARE)
+
+    def _listen(self, window: Any) -> None:
+        """Hear the keys of a window."""
+        glfw.set_key_callback(window, self._on_key)
+        glfw.set_char_callback(window, self._on_character)
 
     def _on_close(self, window: Any) -> None:
         self._orders.append(Order("quit"))

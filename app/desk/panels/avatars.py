@@ -2,8 +2,9 @@
 
 from imgui_bundle import imgui
 
+from .. import theme
 from ..view import DeskView
-from .controls import Ask, at_right, button, columns, dial, faint, heading, hint, rule, switch
+from .controls import Ask, at_right, button, columns, dial, faint, heading, hint, rule, switch, text
 
 SHOWN = 9
 """Avatars that have a key."""
@@ -49,6 +50,9 @@ def components(view: DeskView, ask: Ask) -> None:
     width = imgui.get_window_width()
     imgui.set_cursor_pos_x((width - imgui.calc_text_size(middle).x) / 2)
     faint(middle)
+    if view.readings.lowered:
+        text(view.readings.lowered, theme.WARNING)
+        hint(view, "ladder")
 
 
 def modalities(view: DeskView, ask: Ask) -> None:

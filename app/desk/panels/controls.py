@@ -11,9 +11,9 @@ from ..view import DeskView
 
 Ask = Callable[[str, float | str | None], None]
 """Asks for an action, with a value that replaces what is there."""
-LABEL_SHARE = 0.3
+LABEL_SHARE = 0.29
 """Of a row's width, for what stands before a slider."""
-VALUE_SHARE = 0.24
+VALUE_SHARE = 0.27
 """Of a row's width, for the number behind it."""
 
 
@@ -55,7 +55,6 @@ def title(words: str) -> None:
 
 def heading(words: str, aside: str = "") -> None:
     """The title of a section, with something short at the right edge."""
-    imgui.dummy(imgui.ImVec2(0, 1))
     imgui.push_style_color(imgui.Col_.text, colour(theme.TEXT))
     imgui.push_font(_strong(), 0.0)
     imgui.text_unformatted(words)
@@ -77,7 +76,6 @@ def at_right(words: str, ink: Colour = theme.FAINT) -> None:
 
 def rule(view: DeskView) -> None:
     """A thin line between sections."""
-    imgui.dummy(imgui.ImVec2(0, 2 * scale(view)))
     imgui.separator()
 
 

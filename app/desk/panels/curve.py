@@ -4,11 +4,19 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from .. import theme
+from ..theme import Colour
 from ..view import DeskView
-from .controls import Ask, button, faint, heading, packed, scale
+from .controls import Ask, button, colour, faint, heading, packed, scale
 
 WIDTH, HEIGHT = 460.0, 240.0
 MAX_DB = 60.0
+_FLAGS = implot.Flags_.no_inputs.value | implot.Flags_.no_menus.value
+
+
+def _line(ink: Colour) -> implot.Spec:
+    spec = implot.Spec()
+    spec.line_color, spec.line_weight = colour(ink), 2.0
+    return spec
 
 
 def curve(view: DeskView, ask: Ask) -> None:
@@ -20,15 +28,16 @@ def curve(view: DeskView, ask: Ask) -> None:
     measured, unit = view.curve, scale(view)
     counts = np.ascontiguousarray(measured.components, np.float64)
     decibels = np.ascontiguousarray(np.minimum(measured.decibels, MAX_DB))
-    if implot.begin_plot("##curve", imgui.ImVec2(-1, HEIGHT * unit), implot.Flags_.no_menus.value):
+    if implot.begin_plot("##curve", imgui.ImVec2(-1, HEIGHT * unit), _FLAGS):
         implot.setup_axes("components", "dB")
+        implot.setup_legend(implot.Location_.south_east.value)
         implot.setup_axis(implot.ImAxis_.y2, "MB", implot.AxisFlags_.aux_default.value)
         implot.setup_axis_limits(implot.ImAxis_.x1, 0, float(counts[-1]) + 1)
         implot.setup_axis_limits(implot.ImAxis_.y1, float(decibels.min()) - 3, float(decibels.max()) + 3)
         implot.setup_axis_limits(implot.ImAxis_.y2, 0, float(measured.megabytes.max()) * 1.15)
-        implot.plot_line("quality, dB", counts, decibels)
+        implot.plot_line("quality, dB", counts, decibels, _line(theme.ACCENT))
         implot.set_axes(implot.ImAxis_.x1, implot.ImAxis_.y2)
-        implot.plot_line("memory, MB", counts, np.ascontiguousarray(measured.megabytes, np.float64))
+        implot.plot_line("memory, MB", counts, measured.megabytes.copy(), _line(theme.FAINT))
         implot.set_axes(implot.ImAxis_.x1, implot.ImAxis_.y1)
         used = implot.plot_to_pixels(float(view.state.used_components), 0.0)
         place, size = implot.get_plot_pos(), implot.get_plot_size()

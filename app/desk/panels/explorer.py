@@ -24,7 +24,7 @@ def explorer(view: DeskView, ask: Ask) -> None:
     first = max(0, min(exploring.component - SLIDERS // 2, stored - SLIDERS))
     for component in range(first, min(stored, first + SLIDERS)):
         _slider(view, ask, component)
-    faint(f"{stored} stored; Shift+Up, Shift+Down choose")
+    faint(f"{stored} stored, Shift+Up and Down")
     switch(view, ask, "sweep", "Sweep", exploring.sweep)
     imgui.same_line()
     button(view, ask, "unexplore", "All to rest", width=-1)

@@ -67,8 +67,6 @@ def _sentences(view: DeskView) -> Iterator[tuple[str, Colour]]:
         yield f"{health.message or 'Looking for you.'} {health.cure}".strip(), ink
     if state.resting:
         yield " ".join(view.rest.sentences) or "Look into the camera, face at rest.", theme.WARNING
-    if view.readings.lowered:
-        yield view.readings.lowered, theme.FAINT
     if view.loading:
         yield f"Loading {view.loading} ...", theme.FAINT
     for toast in view.toasts:

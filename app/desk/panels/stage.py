@@ -15,8 +15,8 @@ def stage(view: DeskView, ask: Ask) -> None:
     state = view.state
     rule(view)
     heading("Stage")
-    dial(view, ask, "yaw", "Round", state.yaw, -state.limits.yaw_deg, state.limits.yaw_deg, "%.0f deg")
-    dial(view, ask, "pitch", "Height", state.pitch, -state.limits.pitch_deg, state.limits.pitch_deg, "%.0f deg")
+    dial(view, ask, "yaw", "Round", state.yaw, -state.limits.yaw_deg, state.limits.yaw_deg, "%.0f°")
+    dial(view, ask, "pitch", "Height", state.pitch, -state.limits.pitch_deg, state.limits.pitch_deg, "%.0f°")
     dial(view, ask, "zoom", "Zoom", state.zoom, *ZOOMS, "x %.2f")
     if state.at_limit:
         text(LIMIT_HINT, theme.WARNING)
