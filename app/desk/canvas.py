@@ -49,7 +49,7 @@ class Canvas:
         self._frame.use()
 
     def copy(self, target: moderngl.Framebuffer, around: Area | None) -> None:
-        """Copy everything to ``target`` of the same size, or everything but the pixels of ``around``; use ``target``."""
+        """Copy all to ``target`` of the same size, or all but the pixels of ``around``; ``target`` is in use then."""
         width, height = self._frame.size
         target.use()
         self._context.viewport = (0, 0, width, height)
