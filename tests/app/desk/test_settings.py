@@ -1,0 +1,81 @@
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from gemheads.app.desk.actions import Order
+from gemheads.app.desk.settings import (
+    MAX_BYTES,
+    REMEMBERED,
+    WINDOW,
+    Settings,
+    load_settings,
+    recalled,
+    remembered,
+    save_settings,
+)
+from gemheads.app.desk.state import DeskState, update
+
+
+def test_what_is_remembered_comes_back(tmp_path: Path) -> None:
+    state = DeskState()
+    for name, value in (("mirror", 0.0), ("smoothing", 0.8), ("background", "green"), ("ui_scale", 1.5)):
+        state = update(state, Order(name, value))
+    file = tmp_path / "new" / "live.toml"
+    settings = remembered(
+        state, Settings(avatar='a "b"\\c.gem', camera="Caméra", keys={"record": ("F9",)}, window=(640, 480))
+    )
+    assert save_settings(settings, file) == ""
+    read, complaint = load_settings(file)
+    assert complaint == ""
+    assert read == settings
+    assert recalled(DeskState(), read) == state
+
+
+def test_no_output_and_no_camera_goes_on_by_itself() -> None:
+    assert not {"record", "virtual_camera", "clean_window", "coefficients", "curtain"} & set(REMEMBERED)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\x00\xff\xfe",
+        b"[desk\n",
+        b"desk = 3\n",
+        b"a = " + b"[" * 5000,
+        b"#" * (MAX_BYTES + 1),
+        b"[desk]\nmirror = 'yes\n",
+    ],
+    ids=["bytes", "cut off", "another type", "deep", "large", "no string"],
+)
+def test_a_broken_file_is_put_aside_with_one_sentence(content: bytes, tmp_path: Path) -> None:
+    file = tmp_path / "live.toml"
+    file.write_bytes(content)
+    settings, complaint = load_settings(file)
+    assert settings == Settings()
+    assert "starts afresh" in complaint
+    assert "\n" not in complaint.strip()
+    assert not file.exists()
+    assert (tmp_path / "live.toml.broken").read_bytes() == content
+
+
+def test_values_of_the_wrong_kind_or_from_another_version_are_left_out(tmp_path: Path) -> None:
+    file = tmp_path / "live.toml"
+    file.write_text(
+        "future = 1\n[desk]\nmirror = 'no'\nsmoothing = 99\nzoom = 3.0\navatar = 7\n"
+        "[window]\nwidth = -5\nheight = 3.5\n[keys]\nrecord = ['F9', 3]\nunknown = ['X']\nmirror = 'M'\n"
+    )
+    settings, complaint = load_settings(file)
+    assert complaint == ""
+    assert settings.window == WINDOW
+    assert settings.avatar == ""
+    assert settings.keys == {"record": ("F9",)}
+    state = recalled(DeskState(), settings)
+    assert state == replace(DeskState(), smoothing=1.0)
+
+
+def test_a_folder_or_a_disk_that_refuses_is_told(tmp_path: Path) -> None:
+    (tmp_path / "live.toml").mkdir()
+    assert load_settings(tmp_path / "live.toml")[0] == Settings()
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    assert "could not be kept" in save_settings(Settings(), blocked / "live.toml")
