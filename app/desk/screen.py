@@ -81,17 +81,16 @@ class Screen:
         layout = laid_out(view, *size)
         shown = layout.picture.fitted(*self._size) if self._size is not None else None
         alike = view.state == self._state and shown == self._shown
-        if alike and not touched and not self._covered and now - self._panels_at < PANELS_EVERY and not covers(view):
-            self._canvas.copy(target, around=shown)
-            if shown is not None:
-                self._picture.draw(shown, size, view.state.mirror)
-        else:
+        if not alike or touched or self._covered or now - self._panels_at >= PANELS_EVERY or covers(view):
             self._state, self._shown, self._panels_at = view.state, shown, now
             self._canvas.use()
-            self._draw_all(view, layout, shown, size, begin)
-            self._canvas.copy(target, around=None)
+            self._draw_panels(view, layout, shown, size, begin)
+        under = self._covered or covers(view)
+        self._canvas.copy(target, around=None if under else shown)
+        if shown is not None and not under:
+            self._picture.draw(shown, size, view.state.mirror)
 
-    def _draw_all(
+    def _draw_panels(
         self,
         view: DeskView,
         layout: Layout,
@@ -99,6 +98,7 @@ class Screen:
         size: tuple[int, int],
         begin: Callable[[], None] | None,
     ) -> None:
+        """Into the canvas: the panels, and below them the picture where they lie over it."""
         if view.state.ui_scale != self._scale:
             self._scale = view.state.ui_scale
             theme.dress(self._scale)
@@ -114,7 +114,7 @@ class Screen:
         imgui.render()
         self._context.viewport = (0, 0, *size)
         self._context.clear(*theme.GROUND)
-        if shown is not None:
+        if shown is not None and (self._covered or covers(view)):
             self._picture.draw(shown, size, view.state.mirror)
         imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
 

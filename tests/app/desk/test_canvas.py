@@ -47,8 +47,8 @@ def test_a_quick_frame_is_the_same_as_a_whole_one(
     view = DeskView(state=DeskState(welcome=False, mirror=mirror))
     first, second = np.random.default_rng(0).integers(0, 255, (2, *shape), np.uint8)
     draws: list[bool] = []
-    draw_all = desk._screen._draw_all
-    monkeypatch.setattr(desk._screen, "_draw_all", lambda *given: (draws.append(True), draw_all(*given)))
+    draw_panels = desk._screen._draw_panels
+    monkeypatch.setattr(desk._screen, "_draw_panels", lambda *given: (draws.append(True), draw_panels(*given)))
 
     def show(picture: np.ndarray, touched: bool) -> np.ndarray:
         with desk.context:
@@ -62,6 +62,9 @@ def test_a_quick_frame_is_the_same_as_a_whole_one(
     before = len(draws)
     quick = show(second, touched=False)
     assert len(draws) == before
-    whole = show(second, touched=True)
-    assert len(draws) == before + 1
+    around = show(second, touched=True)
+    monkeypatch.setattr("gemheads.app.desk.screen.covers", lambda view: True)
+    whole = show(second, touched=False)
+    assert len(draws) == before + 2
     assert (quick == whole).all()
+    assert (around == whole).all()
