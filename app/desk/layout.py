@@ -18,6 +18,7 @@ _FIXED = (
     imgui.WindowFlags_.no_decoration.value
     | imgui.WindowFlags_.no_move.value
     | imgui.WindowFlags_.no_saved_settings.value
+    | imgui.WindowFlags_.no_focus_on_appearing.value
     | imgui.WindowFlags_.no_bring_to_front_on_focus.value
 )
 _FIXED |= imgui.WindowFlags_.no_background.value  # the ground is cleared once: filling it again costs llvmpipe 4 ms

@@ -26,6 +26,7 @@ class DeskOffscreen:
         self._target = self.context.simple_framebuffer(size, 4)
         self._screen = Screen(self.context)
         self._orders: list[Order] = []
+        self._released: imgui.Key | None = None
         self.clean_picture: NDArray[np.uint8] | None = None
         self.shown = 0
         """Pictures shown so far."""
@@ -45,6 +46,9 @@ class DeskOffscreen:
             if picture is not None:
                 self._screen.put(picture)
             self._screen.draw(view, self._target)
+        if self._released is not None:
+            inputs.add_key_event(self._released, False)
+            self._released = None
         self._orders += self._screen.orders
         self._screen.orders.clear()
         self.shown += 1
@@ -62,8 +66,9 @@ class DeskOffscreen:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Another size from now on."""
-        self._target.release()
-        self.size, self._target = size, self.context.simple_framebuffer(size, 4)
+        with self.context:
+            self._target.release()
+            self.size, self._target = size, self.context.simple_framebuffer(size, 4)
 
     def press(self, key: str) -> None:
         """Type a key by its name, such as ``Ctrl+Q``."""
@@ -86,12 +91,20 @@ class DeskOffscreen:
         for letter in words:
             imgui.get_io().add_input_character(ord(letter))
 
+    def key(self, name: str) -> None:
+        """Press and release a key for the panels, such as ``Enter`` or ``Down``."""
+        arrows = {"Left": "left_arrow", "Right": "right_arrow", "Up": "up_arrow", "Down": "down_arrow"}
+        pressed = getattr(imgui.Key, arrows.get(name, name.lower()))
+        imgui.get_io().add_key_event(pressed, True)
+        self._released = pressed
+
     def drop(self, *paths: str) -> None:
         """Drop files."""
         self._orders += dropped(list(paths))
 
     def close(self) -> None:
         """Release the context."""
-        self._screen.close()
-        self._target.release()
+        with self.context:
+            self._screen.close()
+            self._target.release()
         self.context.release()
