@@ -16,11 +16,12 @@ from ...render.gaussians import RawGaussians
 from ...render.projection import ALPHA_MIN
 from ..arkit import NAMES
 from ..gem import Viewing
+from .floaters import neighbours
 from .foreign import ForeignFormatError
 from .glb import FLOAT, INDEX, Glb, read_glb
 from .neck import CHIN, PIVOT, bending
 from .source import Source
-from .splatply import read_splats
+from .splatply import MAX_COORDINATE, read_splats
 from .surface import Surface, carried, surface_of
 
 Floats = NDArray[np.floating]
@@ -32,6 +33,11 @@ NECK_SHARE = 0.30
 """The height of the neck's joint as a part of the mesh's, which reaches from the collar to the crown."""
 NECK_DEPTH = -0.0224
 """Where that joint lies in depth, metres in the file's own space."""
+BEHIND = -0.04
+"""Depth behind the ears, metres, canonical space; splats of the head there were never seen, and those that hang in the
+air are left out: a dozen or two, which show as dark blobs from 15 degrees on and change the front by 41 dB or more."""
+COMPANY = 4
+"""Fewer splats than this within a centimetre or two are in the air."""
 YAW_LIMIT_DEG, PITCH_LIMIT_DEG = 25.0, 15.0
 """Nothing was ever reconstructed behind."""
 
@@ -48,6 +54,8 @@ class LamAvatar:
     """[52, N, 3] what one unit of each ARKit weight adds to the centres, metres; zeros where the file has no shape."""
     names: tuple[str, ...]
     """The ARKit shapes that the file has."""
+    floaters: int = 0
+    """How many splats were left out because they hang in the air behind the head."""
 
     def __len__(self) -> int:
         return len(self.rest)
@@ -67,6 +75,9 @@ class LamAvatar:
             return (self.frame(weights) for weights in performance)
 
         missing = [name for name in NAMES if name not in self.names]
+        notes = [f"it has no {', '.join(missing)}"] if missing else []
+        if self.floaters:
+            notes.append(f"{self.floaters} splats that hang in the air behind the head were left out")
         return Source(
             kind="LAM avatar",
             splats=len(self),
@@ -77,14 +88,16 @@ class LamAvatar:
             neck_pivot=PIVOT,
             viewing=_viewing(self.rest),
             performance=performance,
-            notes=(f"it has no {', '.join(missing)}",) if missing else (),
+            notes=tuple(notes),
         )
 
 
 def load_lam(folder: Path) -> LamAvatar:
     """Reads the folder that holds ``skin.glb`` and ``offset.ply``.
 
-    Splats too faint to be seen in any picture are left out. Raises ForeignFormatError.
+    Splats too faint for any picture are left out, and those that hang in the air behind the head.
+
+    Raises ForeignFormatError.
     """
     mesh, splats = read_glb(folder / MESH), read_splats(folder / SPLATS, plain_colours=True)
     primitive = _primitive(mesh)
@@ -100,18 +113,25 @@ def load_lam(folder: Path) -> LamAvatar:
     if len(triangles) % 3 or (triangles >= count).any():
         raise mesh.wrong("its triangles point beyond its vertices, or one is not whole")
     names, shapes = _shapes(mesh, primitive, count)
+    if max(np.abs(vertices).max(), np.abs(shapes).max()) > MAX_COORDINATE:
+        raise mesh.wrong(f"its vertices, or their shapes, reach farther than {MAX_COORDINATE:g}")
     surface = surface_of(vertices, triangles.reshape(-1, 3).astype(np.int64), shapes)
     height = vertices[:, 1].min() + NECK_SHARE * np.ptp(vertices[:, 1])
     shift = PIVOT - np.array([0, height, NECK_DEPTH], np.float32)
+    centres = (vertices + splats.positions + shift).astype(np.float32)
     seen = np.flatnonzero(1 / (1 + np.exp(-splats.opacity_logits)) > ALPHA_MIN)
+    if not len(seen):
+        raise ForeignFormatError(folder / SPLATS, "none of its splats can be seen", "take both files from one avatar")
+    air = (centres[seen, 2] < BEHIND) & (bending(centres[seen]) > 0.5) & (neighbours(centres[seen]) < COMPANY)
+    seen = seen[~air]
     rest = RawGaussians(
-        (vertices + splats.positions + shift)[seen].astype(np.float32),
+        centres[seen],
         splats.wxyz[seen],
         splats.log_scales[seen],
         splats.opacity_logits[seen],
         splats.colors[seen],
     )
-    return LamAvatar(rest, surface.chosen(seen), np.ascontiguousarray(shapes[:, seen]), names)
+    return LamAvatar(rest, surface.chosen(seen), np.ascontiguousarray(shapes[:, seen]), names, int(air.sum()))
 
 
 def _primitive(mesh: Glb) -> dict:

@@ -111,11 +111,15 @@ def test_indices_beyond_the_vertices(lam: Any, tmp_path: Path) -> None:
         lam.buffer[start : start + 2] = before
 
 
-def test_vertices_that_are_no_numbers(lam: Any, tmp_path: Path) -> None:
-    start = lam.tree["bufferViews"][lam.tree["accessors"][0]["bufferView"]]["byteOffset"]
-    lam.buffer[start : start + 4] = np.float32(np.nan).tobytes()
+@pytest.mark.parametrize(("value", "said"), [(np.nan, "not all finite"), (3e38, "farther than 1000")])
+@pytest.mark.parametrize("accessor", [0, 2])
+def test_vertices_and_shapes_beyond_all_bounds(
+    lam: Any, tmp_path: Path, accessor: int, value: float, said: str
+) -> None:
+    start = lam.tree["bufferViews"][lam.tree["accessors"][accessor]["bufferView"]]["byteOffset"]
+    lam.buffer[start : start + 4] = np.float32(value).tobytes()
     folder = lam.write(tmp_path / "lam")
-    refused(lambda: load_lam(folder), "not all finite")
+    refused(lambda: load_lam(folder), said)
 
 
 @pytest.mark.parametrize(

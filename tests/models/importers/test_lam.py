@@ -69,6 +69,20 @@ class TestSmall:
         moved = avatar.frame(weights_of(jawOpen=1.0)).positions - avatar.rest.positions
         np.testing.assert_allclose(moved, np.delete(lam.shapes["jawOpen"], np.s_[10:20], 0), atol=1e-7)
 
+    def test_blobs_in_the_air_behind_the_head_are_left_out(self, lam: Any, tmp_path: Path) -> None:
+        whole = load_lam(lam.write(tmp_path / "whole"))
+        lam.splats.positions[100] = (0, 0, -0.25)
+        lam.splats.positions[130:136] = (0, 0, -0.25) - lam.vertices[130:136] + lam.vertices[130]
+        avatar = load_lam(lam.write(tmp_path / "small"))
+        assert avatar.floaters == 1, "six together are no floaters"
+        np.testing.assert_array_equal(avatar.rest.wxyz, np.delete(whole.rest.wxyz, 100, 0))
+        assert any("hang in the air" in note for note in avatar.source(np.zeros((1, 52), np.float32)).notes)
+
+    def test_nothing_to_see_is_said(self, lam: Any, tmp_path: Path) -> None:
+        lam.splats.opacity_logits[:] = -9
+        with pytest.raises(ForeignFormatError, match="none of its splats can be seen"):
+            load_lam(lam.write(tmp_path / "small"))
+
     def test_a_splat_too_few_is_said(self, lam: Any, tmp_path: Path) -> None:
         parts = (lam.splats.positions, lam.splats.wxyz, lam.splats.log_scales, lam.splats.opacity_logits)
         lam.splats = RawGaussians(*(part[:-1] for part in parts), lam.splats.colors[:-1])
