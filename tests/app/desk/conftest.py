@@ -12,7 +12,6 @@ from gemheads.app.desk.driving import Driving
 from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.outputs import Outputs
-from gemheads.app.desk.remote import Remote
 from gemheads.app.desk.roster import Roster
 from gemheads.app.desk.session import Session
 from gemheads.app.desk.state import DeskState
@@ -114,7 +113,6 @@ def room(tmp_path: Path, avatars: tuple[Path, ...]) -> Iterator[Room]:
         SoftwareEngine,
         Outputs((96, 96), 30, lambda: folder),
         size=(96, 96),
-        remote=Remote("127.0.0.1", 0),
         driving=Driving(lambda words, alarm: session.tell(words, alarm), made),
     )
     yield Room(session, folder, captures)

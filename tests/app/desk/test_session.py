@@ -1,0 +1,331 @@
+"""The loop, with everything but the capture thread: orders in, pictures and outputs out."""
+
+import socket
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gemheads.app.desk.actions import Order
+from gemheads.app.desk.offscreen import DeskOffscreen
+from gemheads.app.desk.painter import CURTAIN
+from gemheads.app.desk.remote import Remote
+from gemheads.app.desk.session import Session
+from gemheads.app.live import run_live
+from gemheads.app.senders.outlet import Shown
+
+from .conftest import Room
+from .test_remote import packet
+
+
+def turn(session: Session) -> np.ndarray | None:
+    """One round of the loop without a window."""
+    now = time.perf_counter()
+    session.settle(now)
+    shot = session.newest(now)
+    picture = session.draw(shot, now)
+    if picture is not None:
+        session.offer(picture, now)
+        session.preview(picture)
+        session.view(now)
+    return None if picture is None else picture.copy()
+
+
+def until(session: Session, done: Callable[[], bool], secs: float = 20) -> np.ndarray:
+    """Rounds until something is the case; the last picture."""
+    picture, end = None, time.perf_counter() + secs
+    while time.perf_counter() < end:
+        drawn = turn(session)
+        picture = drawn if drawn is not None else picture
+        if done() and picture is not None:
+            return picture
+        time.sleep(0.002)
+    raise AssertionError("it did not come to that")
+
+
+def begin(room: Room) -> np.ndarray:
+    """The first avatar on stage."""
+    return until(room.session, lambda: room.session.stage.avatar is not None)
+
+
+def test_the_first_avatar_comes_at_rest_and_follows_the_newest_shot(room: Room) -> None:
+    rest = begin(room)
+    assert rest.shape == (96, 96, 3)
+    assert turn(room.session) is None  # nothing new: nothing is drawn
+    room.capture.post(0.5)
+    room.capture.post(3.0)
+    moved = turn(room.session)
+    assert moved is not None
+    assert np.abs(moved.astype(int) - rest).max() > 20
+    assert room.session.stage.shot is not None
+    assert room.session.stage.shot.serial == 2
+    assert turn(room.session) is None
+
+
+def test_switching_shows_the_new_avatar_within_two_frames_and_the_loop_goes_on(room: Room) -> None:
+    begin(room)
+    room.capture.post(1.0)
+    before = turn(room.session)
+    room.session.obey(Order("avatar", 2.0))
+    frames, loaded_at = 0, None
+    while room.session.stage.roster.current != 1:
+        room.capture.post(1.0)
+        was_loading = room.session.stage.loading
+        assert turn(room.session) is not None  # every round has its picture
+        frames += 1
+        if loaded_at is None and was_loading and not room.session.stage.loading:
+            loaded_at = frames
+        assert frames < 5000
+    assert loaded_at is not None
+    assert frames - loaded_at < 2
+    after = turn(room.session)
+    after = after if after is not None else room.session.draw(room.session.stage.shot, 0.0)
+    assert after is not None
+    assert before is not None
+    assert np.abs(after.astype(int) - before).mean() > 1
+    assert room.session.view(0.0).avatar.name == "tiny"
+    assert room.session.view(0.0).on_stage == 1
+
+
+def test_an_avatar_that_nothing_drives_yet_comes_on_stage_all_the_same(room: Room) -> None:
+    begin(room)
+    room.capture.answers_cast = False
+    room.session.obey(Order("next_avatar"))
+    until(room.session, lambda: room.session.stage.roster.current == 1)
+
+
+def test_a_broken_file_is_refused_with_its_reason_and_the_old_avatar_stays(
+    room: Room, avatars: tuple[Path, ...]
+) -> None:
+    begin(room)
+    for order in (Order("avatar", 3.0), Order("open", str(avatars[0].parent / "missing.gem"))):
+        room.session.obey(order)
+        room.capture.post(2.0)
+        until(room.session, lambda: not room.session.stage.loading)
+        toasts = room.session.view(time.perf_counter()).toasts
+        assert toasts[-1].alarm
+        assert ".gem" in toasts[-1].text
+        assert room.session.stage.roster.current == 0
+        room.capture.post(1.0)
+        assert turn(room.session) is not None
+
+
+def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
+    begin(room)
+    room.capture.post(3.0)
+    whole = turn(room.session)
+    assert whole is not None
+    room.session.obey(Order("components", 1.0))
+    fewer = turn(room.session)
+    assert fewer is not None
+    assert (fewer != whole).any()
+    room.session.obey(Order("components", 99.0))
+    room.session.obey(Order("position"))
+    still = turn(room.session)
+    assert still is not None
+    assert (still != whole).any()
+    room.session.obey(Order("position"))
+    again = turn(room.session)
+    assert again is not None
+    np.testing.assert_array_equal(again, whole)
+
+
+@dataclass
+class Spy:
+    """An output that keeps what it gets."""
+
+    got: list[Shown]
+    status: str = "spying"
+
+    def send(self, shown: Shown) -> None:
+        self.got.append(shown)
+
+    def close(self) -> None:
+        pass
+
+
+def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_the_curtain(room: Room) -> None:
+    begin(room)
+    spy = Spy([])
+    room.session.outputs.fan.start("spy", lambda: spy)
+    room.capture.post(3.0)
+    plain = turn(room.session)
+    for name in ("compare", "error_map"):
+        room.session.obey(Order(name, 1.0))
+    room.session.obey(Order("components", 1.0))
+    room.session.obey(Order("components", 99.0))
+    with_split = turn(room.session)
+    assert plain is not None
+    assert with_split is not None
+    np.testing.assert_array_equal(plain, with_split)
+    room.session.obey(Order("curtain"))
+    hidden = turn(room.session)
+    assert hidden is not None
+    assert (hidden == CURTAIN).all()
+    end = time.perf_counter() + 5
+    while not (spy.got and spy.got[-1].pose is None) and time.perf_counter() < end:
+        time.sleep(0.01)
+    assert (spy.got[-1].picture == CURTAIN).all()
+    assert spy.got[-1].pose is None
+    assert spy.got[-1].avatar == ""
+
+
+def test_the_comparison_names_what_is_lost(room: Room) -> None:
+    begin(room)
+    room.capture.post(3.0)
+    room.session.obey(Order("compare", 1.0))
+    turn(room.session)
+    assert room.session.view(0.0).error_db == pytest.approx(100)
+    room.session.obey(Order("components", 1.0))
+    turn(room.session)
+    lost = room.session.view(0.0).error_db
+    assert lost is not None
+    assert lost < 60
+
+
+def test_a_recording_and_a_picture_are_written_and_a_failed_output_switches_itself_off(room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("picture"))
+    room.session.obey(Order("record"))
+
+    def written() -> bool:
+        room.capture.post(float(room.capture.serial % 3))
+        return len(list(room.folder.glob("*.png"))) == 1 and any(
+            "Recording" in line.name for line in room.session.view(0.0).outputs
+        )
+
+    until(room.session, written)
+    room.session.obey(Order("record"))
+    until(room.session, lambda: bool(list(room.folder.glob("*.mp4"))) or not room.session.state.record)
+    assert not room.session.state.record
+
+    def refuse() -> Path:
+        raise PermissionError("this disk is full")
+
+    room.session.outputs._folder = refuse
+    room.session.obey(Order("record"))
+    until(room.session, lambda: not room.session.state.record)
+    assert any(line.failed for line in room.session.view(0.0).outputs)
+
+
+def test_sliders_reach_the_capture_and_the_source_is_what_was_asked_for(room: Room, tmp_path: Path) -> None:
+    begin(room)
+    for order in (Order("smoothing", 0.9), Order("gain_mouth", 1.5), Order("head_pose", 0.0), Order("relock")):
+        room.session.obey(order)
+    turn(room.session)
+    calls = {name: arguments for name, *arguments in room.capture.calls}
+    tuning = calls["tune"][0]
+    assert (tuning.smoothing, tuning.gains["mouth"], tuning.head_pose) == (0.9, 1.5, False)
+    assert "relock" in calls
+    assert calls["use"][1] == "Performance"
+    for order, name in (
+        (Order("demo"), "The demo"),
+        (Order("open", str(tmp_path / "clip.mp4")), "clip.mp4"),
+        (Order("camera", "Nice Cam"), "Nice Cam"),
+        (Order("no_source"), ""),
+    ):
+        room.session.obey(order)
+        assert room.capture.calls[-1][0] in ("use", "rest")
+        assert [call for call in room.capture.calls if call[0] == "use"][-1][2] == name
+    room.session.obey(Order("open", "osc:99999999"))
+    assert room.session.view(time.perf_counter()).toasts[-1].alarm
+
+
+def test_space_freezes_where_nothing_can_be_paused(room: Room) -> None:
+    begin(room)
+    room.capture.post(1.0)
+    turn(room.session)
+    room.session.obey(Order("play"))
+    room.capture.post(3.0)
+    assert turn(room.session) is not None  # the state changed; the pose did not
+    assert room.session.stage.shot is not None
+    assert room.session.stage.shot.serial == 1
+    room.session.obey(Order("play"))
+    room.capture.post(3.0)
+    turn(room.session)
+    assert room.session.stage.shot.serial == 3
+
+
+class Buttons:
+    """A transport that writes down what is pressed."""
+
+    playing, loop, position, duration = True, True, 3.0, 10.0
+
+    def __init__(self) -> None:
+        self.pressed: list[tuple[str, float]] = []
+
+    def play(self) -> None:
+        self.pressed.append(("play", 1))
+
+    def pause(self) -> None:
+        self.pressed.append(("pause", 1))
+
+    def step(self, frames: int) -> None:
+        self.pressed.append(("step", frames))
+
+    def seek(self, seconds: float) -> None:
+        self.pressed.append(("seek", seconds))
+
+
+def test_a_source_with_buttons_gets_them_pressed(room: Room) -> None:
+    begin(room)
+    room.capture.transport = buttons = Buttons()
+    for order in (
+        Order("play"),
+        Order("play", 1.0),
+        Order("step", -1.0, relative=True),
+        Order("seek", 5.0, relative=True),
+        Order("seek", 99.0),
+        Order("loop"),
+    ):
+        room.session.obey(order)
+    assert buttons.pressed == [("pause", 1), ("play", 1), ("step", -1), ("seek", 8.0), ("seek", 10.0)]
+    assert buttons.loop is False
+    assert not room.session.state.frozen
+
+
+@pytest.mark.enable_socket
+def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
+    room: Room, desk: DeskOffscreen, avatars: tuple[Path, ...]
+) -> None:
+    session = room.session
+    session.remote = remote = Remote("127.0.0.1", 0)
+    failures: list[BaseException] = []
+
+    def person() -> None:
+        try:
+            wait(lambda: session.stage.avatar is not None)
+            desk.press("B")
+            wait(lambda: session.state.compare)
+            desk.drop(str(avatars[1]))
+            wait(lambda: session.stage.roster.current == 1)
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+                for address, value in (("smoothing", 0.25), ("background", "green")):
+                    other.sendto(packet(f"/gemheads/{address}", value), ("127.0.0.1", remote.port))
+            wait(lambda: session.state.smoothing == 0.25 and session.state.background == "green")
+            desk.press("W")
+            wait(lambda: desk.clean_picture is not None)
+        except BaseException as error:
+            failures.append(error)
+        ended.append(time.perf_counter())
+        desk.press("Ctrl+Q")
+
+    def wait(done: Callable[[], bool]) -> None:
+        end = time.perf_counter() + 20
+        while not done():
+            room.captures and room.captures[0].post(2.0)
+            assert time.perf_counter() < end
+            time.sleep(0.01)
+
+    ended: list[float] = []
+    hands = threading.Thread(target=person)
+    hands.start()
+    run_live(desk, session)
+    session.close()
+    assert time.perf_counter() - ended[0] < 1.0
+    hands.join()
+    assert not failures, failures
+    assert desk.shown > 5
