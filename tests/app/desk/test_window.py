@@ -1,0 +1,162 @@
+"""The real window under Xvfb, driven by xdotool: keys, drop, resize, minimise, close."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+REASON = "needs Xvfb and xdotool (Debian: apt-get install xvfb xdotool)"
+pytestmark = pytest.mark.skipif(not (shutil.which("Xvfb") and shutil.which("xdotool")), reason=REASON)
+
+PROGRAM = """
+import sys, threading
+from gemheads.app.desk import command, window
+from gemheads.app.desk.session import Session
+
+shown = window.DeskWindow.show
+kept = {}
+
+def show(self, picture, view):
+    shown(self, picture, view)
+    kept["desk"] = self
+    state = view.state
+    words = f"{view.on_stage} {state.used_components} {state.compare} {state.panels} {self.size} {self.visible}"
+    words += f" {len(view.avatars)} {view.loading or '-'} {bool(view.toasts)} {view.health.source or '-'}"
+    if words != kept.get("words"):
+        kept["words"] = words
+        print("STATE", words, flush=True)
+
+window.DeskWindow.show = show
+
+def listen():
+    # glfw's own callback is called with what a file manager would drop
+    for line in sys.stdin:
+        kept["desk"].on_drop(None, [line.strip()])
+
+threading.Thread(target=listen, daemon=True).start()
+sys.exit(command.live_command(engine="software", size=(128, 128)))
+"""
+
+
+@dataclass
+class Running:
+    """The program, and what it said last."""
+
+    process: subprocess.Popen[str]
+    environment: dict[str, str]
+    log: Path
+
+    def state(self) -> str:
+        lines = [line for line in self.log.read_text().splitlines() if line.startswith("STATE")]
+        return lines[-1] if lines else ""
+
+    def until(self, done: Callable[[str], bool], secs: float = 30) -> str:
+        end = time.perf_counter() + secs
+        while not done(state := self.state()):
+            assert self.process.poll() is None, self.log.read_text()[-2000:]
+            assert time.perf_counter() < end, f"last state: {state}"
+            time.sleep(0.03)
+        return state
+
+    def xdotool(self, *words: str) -> str:
+        done = subprocess.run(
+            ["xdotool", *words], env=self.environment, capture_output=True, text=True, timeout=20, check=True
+        )
+        return done.stdout.strip()
+
+    def key(self, *keys: str) -> None:
+        self.xdotool("key", "--delay", "60", *keys)
+
+    def drop(self, path: Path) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{path}\n")
+        self.process.stdin.flush()
+
+
+@pytest.fixture
+def display() -> Iterator[str]:
+    read, write = os.pipe()
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x900x24", "+extension", "GLX", "-nolisten", "tcp"]
+    server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    os.close(write)
+    with os.fdopen(read) as numbers:
+        number = numbers.readline().strip()
+    if not number:
+        pytest.skip("Xvfb did not start")
+    yield f":{number}"
+    server.terminate()
+    server.wait()
+
+
+@pytest.fixture
+def running(display: str, tmp_path: Path, tiny: Path) -> Iterator[Running]:
+    home = tmp_path / "home"
+    environment = {
+        **os.environ,
+        "DISPLAY": display,
+        "HOME": str(home),
+        "XDG_CONFIG_HOME": str(home / "config"),
+        "XDG_DATA_HOME": str(home / "data"),
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMP_WAIT_POLICY": "passive",
+    }
+    log = tmp_path / "log"
+    with log.open("w") as out:
+        process = subprocess.Popen(
+            [sys.executable, "-c", PROGRAM], env=environment, stdin=subprocess.PIPE, stdout=out, stderr=out, text=True
+        )
+        try:
+            yield Running(process, environment, log)
+        finally:
+            process.kill()
+            process.wait()
+            if process.stdin is not None:
+                process.stdin.close()
+
+
+def word(state: str, index: int) -> str:
+    return state.replace(", ", ",").split()[index + 1]
+
+
+def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
+    running: Running, tiny: Path, tmp_path: Path
+) -> None:
+    running.until(lambda state: bool(state) and word(state, 7) == "-" and word(state, 9) != "-")
+    window = running.xdotool("search", "--name", "^gemheads$").splitlines()[0]
+    running.key("Escape")
+    running.key("b")
+    running.until(lambda state: word(state, 2) == "True")
+    before = int(word(running.state(), 1))
+    running.key("minus")
+    running.until(lambda state: int(word(state, 1)) == before - 5)
+    running.key("Tab")
+    running.until(lambda state: word(state, 3) == "False")
+    count = int(word(running.state(), 6))
+    running.drop(tiny)
+    running.until(lambda state: int(word(state, 6)) == count + 1)
+    broken = tmp_path / "broken.gem"
+    broken.write_bytes(b"no avatar")
+    running.drop(broken)
+    running.until(lambda state: word(state, 8) == "True")
+    assert int(word(running.state(), 6)) == count + 1
+    running.xdotool("windowsize", window, "700", "500")
+    running.until(lambda state: word(state, 4) == "(700,500)")
+    running.xdotool("windowunmap", window)
+    time.sleep(0.3)
+    assert running.process.poll() is None
+    running.xdotool("windowmap", "--sync", window)
+    running.key("Tab")
+    running.until(lambda state: word(state, 3) == "True")
+    asked = time.perf_counter()
+    running.key("ctrl+q")
+    assert running.process.wait(timeout=10) == 0, running.log.read_text()[-2000:]
+    seconds = time.perf_counter() - asked
+    print(f"closed after {seconds:.2f} s")
+    assert seconds < 3  # under a second on an idle machine; this one may be busy
+    assert "tiny.gem" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
