@@ -14,14 +14,17 @@ from .outlet import Shown
 TIME_BASE = Fraction(1, 90000)
 RECORDING_DEPTH = 8
 """Pictures that may wait for the encoder before some are dropped."""
+MOST_DUE, ALMOST = 2.0, 0.9
+"""Pictures that the rate allows are saved up to this many, and taken when almost a whole one is due: one that comes a
+little early because the one before was late is no picture too many."""
 _BLACK = (0, 0, 0)
 
 
 class Recording:
     """An outlet into a video, or a folder of PNGs, of one size and one rate at most.
 
-    A picture keeps the time at which it was shown, counted from the first. Two that are closer than the rate allows
-    are one: a fast window does not make a larger file.
+    A picture keeps the time at which it was shown, counted from the first. Of those that come faster than the rate
+    allows some are left out: a fast window does not make a larger file.
     """
 
     def __init__(
@@ -51,7 +54,7 @@ class Recording:
         self._size, self._rate, self._backdrop = even(size), rate, None if transparent else _BLACK
         self._microphone, self._note = microphone, f" ({note})" if note else ""
         self._start: float | None = None
-        self._slot = -1
+        self._due, self._looked = 1.0, 0.0
         self._count, self._seconds, self._failed = 0, 0.0, False
         try:
             self._sink = self._opened(transparent)
@@ -68,14 +71,16 @@ class Recording:
             if self._microphone is not None:
                 self._microphone.begin(shown.shown_at)
         seconds = shown.shown_at - self._start
-        slot = round(seconds * self._rate)
-        if slot <= self._slot:
+        self._due = min(MOST_DUE, self._due + (seconds - self._looked) * self._rate)
+        self._looked = seconds
+        if self._due < ALMOST:
             return
+        self._due -= 1
         picture = fitted(shown.picture, self._size, self._backdrop)
         self._failed = True
         self._sink.write(self._count, picture, round(seconds / TIME_BASE))
         self._failed = False
-        self._slot, self._seconds = slot, seconds
+        self._seconds = seconds
         self._count += 1
         self.status = f"recording {self._seconds:.0f} s, {self._megabytes():.1f} MB{self._note}"
 

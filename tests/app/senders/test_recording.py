@@ -54,6 +54,12 @@ def test_a_fast_window_does_not_make_a_larger_file(tmp_path: Path) -> None:
     assert min(np.diff(times)) > 0.6 / 30
 
 
+def test_at_its_own_rate_no_picture_is_lost_however_unevenly_they_come(tmp_path: Path) -> None:
+    late = np.random.default_rng(0).uniform(0, 0.030, 121)
+    record(tmp_path / "out.mp4", [number / 30 + float(late[number]) for number in range(121)])
+    assert len(read(tmp_path / "out.mp4")[0]) >= 118
+
+
 def test_the_size_stays_while_the_window_is_resized(tmp_path: Path) -> None:
     recording = Recording(tmp_path / "out.mp4", (97, 65), 30)
     for number, size in enumerate([(97, 65), (300, 64), (48, 32), (33, 77)]):
