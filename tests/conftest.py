@@ -1,10 +1,14 @@
 """Small avatars for tests of every room."""
 
 import json
+import os
 import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+# as the command does, and before any library starts its threads: idle ones spin against those of the others
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 import numpy as np
 import pytest

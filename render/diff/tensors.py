@@ -1,11 +1,27 @@
 """3D Gaussians as torch tensors: the two spaces of ``render.gaussians``, differentiable."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
 from ..gaussians import Gaussians
+
+
+class RawTensors(NamedTuple):
+    """N splats in raw space, the tensors of ``RawGaussians``."""
+
+    positions: Tensor
+    """[N, 3] centres, metres."""
+    wxyz: Tensor
+    """[N, 4] quaternions of any length > 0."""
+    log_scales: Tensor
+    """[N, 3] log metres."""
+    opacity_logits: Tensor
+    """[N] logits of the peak opacities."""
+    colors: Tensor
+    """[N, 3] sRGB-encoded RGB in [0, 1]."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +60,9 @@ class GaussianTensors:
         return GaussianTensors(*(tensor.to(device, dtype or tensor.dtype) for tensor in vars(self).values()))
 
 
-def activated(
-    positions: Tensor, wxyz: Tensor, log_scales: Tensor, opacity_logits: Tensor, colors: Tensor
-) -> GaussianTensors:
-    """Raw to activated space: exp of scales, sigmoid of opacities. Shapes are those of ``RawGaussians``."""
-    return GaussianTensors(positions, wxyz, log_scales.exp(), opacity_logits.sigmoid(), colors)
+def activate(raw: RawTensors) -> GaussianTensors:
+    """Raw to activated space: exp of scales, sigmoid of opacities; engines normalise quaternions."""
+    return GaussianTensors(raw.positions, raw.wxyz, raw.log_scales.exp(), raw.opacity_logits.sigmoid(), raw.colors)
 
 
 def tensors_of(gaussians: Gaussians, dtype: torch.dtype = torch.float32) -> GaussianTensors:
