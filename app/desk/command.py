@@ -16,7 +16,7 @@ from .remote import Remote, read_listen
 from .roster import Roster
 from .session import Session
 from .settings import load_settings, recalled, remembered, save_settings, settings_file
-from .state import DeskState
+from .state import DeskState, update
 from .window import DeskWindow
 
 RATE = 30
@@ -59,6 +59,8 @@ def live_command(
         desk = DeskWindow(settings.window)
     except NoOpenGLError as error:
         raise InputError(f"gemheads live: {error}") from error
+    if "ui_scale" not in settings.wishes:
+        state = update(state, Order("ui_scale", desk.content_scale))
     outputs = Outputs(size, RATE, recordings_folder)
     session = Session(
         state, roster, keymap(settings.keys), lambda: open_engine(engine, desk.context), outputs, size, remote

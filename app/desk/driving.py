@@ -35,6 +35,7 @@ class Driving:
         self._tuning = Tuning()
         self._neutral = NeutralTaking()
         self._cameras = CameraList()
+        self._by_camera, self._known_camera = False, ""
 
     @property
     def health(self) -> Health:
@@ -76,7 +77,7 @@ class Driving:
 
     def use(self, opener: Opener | None, name: str) -> None:
         """Another source."""
-        self._source = (opener, name)
+        self._source, self._by_camera, self._known_camera = (opener, name), False, ""
         if self._capture is not None:
             self._capture.use(opener, name)
 
@@ -89,13 +90,9 @@ class Driving:
 
     def open_camera(self, name: str) -> None:
         """A camera by its name, the last one or the first where there is none."""
-        self.camera = name or self.camera or next(iter(self.cameras), "")
-        self.use(camera_named(self.camera), self.camera or "Camera")
-        choice, warning = recalled(self.camera)
-        if warning:
-            self._tell(warning, False)
-        if self._capture is not None and choice is not None:
-            self._capture.rest(choice)
+        wanted = name or self.camera
+        self.use(camera_named(wanted), wanted or "Camera")
+        self._by_camera, self.camera = True, wanted
 
     def open_demo(self) -> None:
         """The shipped clip."""
@@ -133,14 +130,27 @@ class Driving:
         if tuning != self._tuning:
             self._tuning = tuning
             self._capture.tune(tuning)
+        self._meet(capture=self._capture)
         if state.resting != self._neutral.on:
             self._neutral.begin() if state.resting else self._neutral.stop()
         resting = self._neutral.advance(shot, self.health, avatar, now)
         if resting is not None:
             self._capture.rest(resting.choice)
-            if self.camera and self.camera == self.health.source and (trouble := kept(self.camera, resting)):
+            if self._known_camera and (trouble := kept(self._known_camera, resting)):
                 self._tell(trouble, True)
         return state.resting and not self._neutral.on
+
+    def _meet(self, capture: Capture) -> None:
+        """Once a camera shows a picture its name is known, and with it the neutral of an earlier day."""
+        health = self.health
+        if not self._by_camera or self._known_camera or not health.frames:
+            return
+        self.camera = self._known_camera = health.source
+        choice, warning = recalled(self.camera)
+        if warning:
+            self._tell(warning, False)
+        if choice is not None:
+            capture.rest(choice)
 
     def close(self) -> None:
         """Let go of the source, in under a second."""

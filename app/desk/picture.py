@@ -41,7 +41,7 @@ SQUARE_PX = 12.0
 
 @dataclass(frozen=True)
 class Area:
-    """A rectangle of the framebuffer in pixels, from its top left corner."""
+    """A rectangle of the window, from its top left corner; in the screen's units, of which a pixel may be a part."""
 
     left: float
     top: float
@@ -53,6 +53,10 @@ class Area:
         scale = min(self.width / width, self.height / height)
         inner = (width * scale, height * scale)
         return Area(self.left + (self.width - inner[0]) / 2, self.top + (self.height - inner[1]) / 2, *inner)
+
+    def scaled(self, factor: float) -> "Area":
+        """The same in units that are so much smaller."""
+        return Area(self.left * factor, self.top * factor, self.width * factor, self.height * factor)
 
     def holds(self, x: float, y: float) -> bool:
         """Whether a point is in it."""

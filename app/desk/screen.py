@@ -66,6 +66,7 @@ class Screen:
         target: moderngl.Framebuffer,
         begin: Callable[[], None] | None = None,
         touched: bool = True,
+        density: float = 1.0,
     ) -> None:
         """Draw a frame into ``target``.
 
@@ -75,20 +76,22 @@ class Screen:
             begin: tells imgui of pointer and keys.
             touched: whether pointer or keys moved since the last frame. While they did not and nothing lies over the
                 picture, panels are drawn a dozen times a second, the picture each time: a third of the work.
+            density: pixels of ``target`` for each unit of the screen, in which panels and pointer are placed.
         """
         size, now = target.size, time.perf_counter()
         touched = self._canvas.fit(size) or touched
-        layout = laid_out(view, *size)
+        layout = laid_out(view, size[0] / density, size[1] / density)
         shown = layout.picture.fitted(*self._size) if self._size is not None else None
         alike = view.state == self._state and shown == self._shown
         if not alike or touched or self._covered or now - self._panels_at >= PANELS_EVERY or covers(view):
             self._state, self._shown, self._panels_at = view.state, shown, now
             self._canvas.use()
-            self._draw_panels(view, layout, shown, size, begin)
+            self._draw_panels(view, layout, shown, size, begin, density)
         under = self._covered or covers(view)
-        self._canvas.copy(target, around=None if under else shown)
-        if shown is not None and not under:
-            self._picture.draw(shown, size, view.state.mirror)
+        place = shown.scaled(density) if shown is not None else None
+        self._canvas.copy(target, around=None if under else place)
+        if place is not None and not under:
+            self._picture.draw(place, size, view.state.mirror)
 
     def _draw_panels(
         self,
@@ -97,6 +100,7 @@ class Screen:
         shown: Area | None,
         size: tuple[int, int],
         begin: Callable[[], None] | None,
+        density: float,
     ) -> None:
         """Into the canvas: the panels, and below them the picture where they lie over it."""
         if view.state.ui_scale != self._scale:
@@ -115,7 +119,7 @@ class Screen:
         self._context.viewport = (0, 0, *size)
         self._context.clear(*theme.GROUND)
         if shown is not None and (self._covered or covers(view)):
-            self._picture.draw(shown, size, view.state.mirror)
+            self._picture.draw(shown.scaled(density), size, view.state.mirror)
         imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
 
     def close(self) -> None:

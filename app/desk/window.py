@@ -74,6 +74,11 @@ class DeskWindow:
         return glfw.get_window_size(self._window)
 
     @property
+    def content_scale(self) -> float:
+        """How much larger than usual the person's desktop draws; 1 where screen units take care of that."""
+        return glfw.get_window_content_scale(self._window)[0] * self.size[0] / max(1, self._pixels()[0])
+
+    @property
     def visible(self) -> bool:
         """Whether anybody can see it: not while minimised."""
         return not glfw.get_window_attrib(self._window, glfw.ICONIFIED) and min(self._pixels()) > 0
@@ -101,7 +106,9 @@ class DeskWindow:
             return
         if view.state.full_screen != (glfw.get_window_monitor(self._window) is not None):
             self._fill(view.state.full_screen)
-        self._screen.draw(view, self._surface(), imgui.backends.glfw_new_frame, self._touched or bool(self._orders))
+        surface = self._surface()
+        touched, density = self._touched or bool(self._orders), surface.width / max(1, self.size[0])
+        self._screen.draw(view, surface, imgui.backends.glfw_new_frame, touched, density)
         self._touched = False
         self._orders += self._screen.orders
         self._screen.orders.clear()

@@ -10,9 +10,6 @@ from ..theme import Colour
 from ..view import DeskView
 from .controls import packed, scale
 
-CALM = ("no source", "tracking", "hold")
-"""Phases in which nothing needs to be said over the picture."""
-
 
 def notices(view: DeskView, picture: Area) -> None:
     """Pills at the foot of the picture, the newest at the bottom."""
@@ -62,9 +59,9 @@ def _sentences(view: DeskView) -> Iterator[tuple[str, Colour]]:
         yield "Curtain: nothing of the avatar is shown or sent. 0 lifts it.", theme.ACCENT
     elif state.frozen:
         yield "Frozen. Space lets it go on.", theme.ACCENT
-    elif health.phase not in CALM and (health.message or health.phase == "searching"):
+    elif health.message:
         ink = theme.ALARM if health.phase == "stalled" else theme.WARNING
-        yield f"{health.message or 'Looking for you.'} {health.cure}".strip(), ink
+        yield f"{health.message} {health.cure}".strip(), ink
     if state.resting:
         yield " ".join(view.rest.sentences) or "Look into the camera, face at rest.", theme.WARNING
     if view.loading:
