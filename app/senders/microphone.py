@@ -86,9 +86,9 @@ class Microphone:
                 self._container.mux(packet)
 
     def _heard(self, samples: NDArray[np.float32], count: int, _time: Any, _status: Any) -> None:
-        """Called in the sound system's thread for each block that ends about now."""
+        """Called in the sound system's thread for each block that ends about now. Encoders refuse NaN."""
         with self._lock:
-            self._blocks.append((time.perf_counter() - count / RATE, samples[:, 0].copy()))
+            self._blocks.append((time.perf_counter() - count / RATE, np.clip(np.nan_to_num(samples[:, 0]), -1, 1)))
 
     def _next(self, until: float) -> tuple[float, NDArray[np.float32]] | None:
         with self._lock:

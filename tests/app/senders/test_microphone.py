@@ -85,6 +85,18 @@ def test_lost_sound_becomes_silence_so_that_the_rest_stays_in_time(ear: Ear, tmp
     assert np.abs(sound[round(1.0 * RATE) : round(1.3 * RATE)]).max() > 0.2
 
 
+def test_garbage_from_a_driver_ends_no_recording(ear: Ear, tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "out.mp4", (64, 48), 30, microphone=Microphone())
+    recording.send(Shown(np.zeros((48, 64, 3), np.uint8), ear.now))
+    ear.hear(np.full(RATE // 4, np.nan, np.float32))
+    ear.hear(np.full(RATE // 4, 1e30, np.float32))
+    recording.send(Shown(np.zeros((48, 64, 3), np.uint8), ear.now))
+    recording.close()
+    sound = heard(tmp_path / "out.mp4")
+    assert np.isfinite(sound).all()
+    assert np.abs(sound[: RATE // 5]).max() < 0.05
+
+
 def test_no_sound_heard_leaves_a_video_that_plays(ear: Ear, tmp_path: Path) -> None:
     recording = Recording(tmp_path / "out.mp4", (64, 48), 30, microphone=Microphone())
     recording.send(Shown(np.zeros((48, 64, 3), np.uint8), 0.0))
