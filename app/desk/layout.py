@@ -11,7 +11,7 @@ from .panels.controls import Ask, packed
 from .picture import Area
 from .view import DeskView
 
-LEFT, RIGHT, FOOT, MENU, GAP = 236.0, 272.0, 34.0, 22.0, 8.0
+LEFT, RIGHT, FOOT, GAP = 236.0, 272.0, 34.0, 8.0
 NARROWEST_PICTURE = 200.0
 """Narrower than this the columns step aside."""
 _FIXED = (
@@ -43,14 +43,13 @@ def laid_out(view: DeskView, width: float, height: float) -> Layout:
     scale = view.state.ui_scale
     left, right, foot, gap = (length * scale for length in (LEFT, RIGHT, FOOT, GAP))
     columns = view.state.panels and width - left - right - 4 * gap >= NARROWEST_PICTURE * scale
-    above = MENU * scale if view.state.menu else 0.0
     below = foot + gap if view.state.panels and view.state.figures and height > 4 * foot else 0.0
-    top, tall = above + gap, max(1.0, height - above - 2 * gap - below)
-    between = Area(left + 2 * gap, top, width - left - right - 4 * gap, tall)
+    tall = max(1.0, height - 2 * gap - below)
+    between = Area(left + 2 * gap, gap, width - left - right - 4 * gap, tall)
     return Layout(
-        picture=between if columns else Area(0, above, width, max(1.0, height - above - below)),
-        left=Area(gap, top, left, tall) if columns else None,
-        right=Area(width - gap - right, top, right, tall) if columns else None,
+        picture=between if columns else Area(0, 0, width, max(1.0, height - below)),
+        left=Area(gap, gap, left, tall) if columns else None,
+        right=Area(width - gap - right, gap, right, tall) if columns else None,
         foot=Area(gap, height - gap - foot, width - 2 * gap, foot) if below else None,
     )
 
@@ -72,9 +71,9 @@ class Panels:
     def draw(self, view: DeskView, ask: Ask, layout: Layout, shown: Area | None) -> None:
         """Draw them; ``shown``: where the picture itself is, None when there is none yet."""
         state = view.state
-        walks = state.walk and not self._walked
-        self._walked = state.walk
-        if not state.walk:
+        walks = state.walking and not self._walked
+        self._walked = state.walking
+        if not state.walking:
             imgui.push_item_flag(imgui.ItemFlags_.no_tab_stop.value, True)
         middle = avatars.modalities if not state.exploring.on else explorer.explorer
         _column(
@@ -83,7 +82,7 @@ class Panels:
             (avatars.avatars, avatars.components, middle, stage.stage, avatars.licence),
             view,
             ask,
-            walks,
+            walks and not state.menu,
         )
         parts = (driver.driver, driver.neutral, driver.following, stage.outputs)
         _column("right", layout.right, parts, view, ask, False)
@@ -96,8 +95,8 @@ class Panels:
         notices.notices(view, area)
         self._cards(view, ask, area)
         if state.menu:
-            _menu_bar(view, ask)
-        if not state.walk:
+            _menu(view, ask, area)
+        if not state.walking:
             imgui.pop_item_flag()
 
     def _cards(self, view: DeskView, ask: Ask, area: Area) -> None:
@@ -144,7 +143,11 @@ def _card(name: str, width: float, panel: Panel, view: DeskView, ask: Ask, area:
     imgui.end()
 
 
-def _menu_bar(view: DeskView, ask: Ask) -> None:
-    if imgui.begin_main_menu_bar():
-        help.menu(view, ask)
-        imgui.end_main_menu_bar()
+def _menu(view: DeskView, ask: Ask, area: Area) -> None:
+    """A card at the picture's corner: unlike a bar, arrows reach it."""
+    imgui.set_next_window_pos(imgui.ImVec2(area.left + GAP, area.top + GAP))
+    imgui.begin("menu", None, _CARD)
+    if imgui.is_window_appearing():
+        imgui.set_window_focus()
+    help.menu(view, ask)
+    imgui.end()

@@ -36,7 +36,6 @@ class Screen:
         self._plots = implot.create_context()
         inputs = imgui.get_io()
         inputs.set_ini_filename("")  # nothing is written where the program happens to be started
-        inputs.config_input_trickle_event_queue = False
         self._letters = theme.Letters()
         imgui.backends.opengl3_init("#version 330")
         self._panels = Panels()
@@ -106,7 +105,7 @@ class Screen:
         if view.state.ui_scale != self._scale:
             self._scale = view.state.ui_scale
             theme.dress(self._scale)
-        self._walk(view.state.walk)
+        self._walk(view.state.walking)
         imgui.backends.opengl3_new_frame()
         if begin is not None:
             begin()

@@ -97,6 +97,11 @@ class DeskState:
     quitting: bool = False
 
     @property
+    def walking(self) -> bool:
+        """Whether arrows, Enter and Tab move about in panels or menu."""
+        return self.walk or self.menu
+
+    @property
     def used_components(self) -> int:
         """How many components a modality are shown."""
         return self.limits.components if self.components is None else min(self.components, self.limits.components)

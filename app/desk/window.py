@@ -98,7 +98,7 @@ class DeskWindow:
 
     def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
         """Draw a frame and swap; ``picture`` [H, W, 3|4] stays until another one comes. Nothing while minimised."""
-        self.keymap, self._walking = view.keymap, view.state.walk
+        self.keymap, self._walking = view.keymap, view.state.walking
         glfw.make_context_current(self._window)  # an engine that drew in it has let it go
         if picture is not None:
             self._screen.put(picture)
@@ -178,6 +178,7 @@ class DeskWindow:
 
     def _on_key(self, window: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
         """Keys that type no character, and those held with Ctrl or Alt; the others arrive in ``_on_character``."""
+        self._touched = True
         if action == glfw.RELEASE:
             return
         self._modifiers, self._repeated = modifiers, action == glfw.REPEAT

@@ -46,11 +46,10 @@ def driver(view: DeskView, ask: Ask) -> None:
     _sketch(view, ask)
     if view.transport is not None:
         _transport(view, ask)
-    detail = f"{health.rate:.0f} per second" if health.rate else ""
-    if health.drops:
-        detail += f", {health.drops} skipped"
-    if detail:
-        faint(detail)
+    rate = f"{health.rate:.0f} per second" if health.rate else ""
+    skipped = f"{health.drops} skipped" if health.drops else ""
+    if rate or skipped:
+        faint(", ".join(part for part in (rate, skipped) if part))
     for sentence in (*(f"{health.message} {health.cure}".strip(),), *health.hints):
         if sentence:
             text(sentence, theme.WARNING)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gemheads.app.desk import theme
-from gemheads.app.desk.actions import Order
+from gemheads.app.desk.actions import BY_NAME, Order
 from gemheads.app.desk.layout import laid_out
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.state import DeskState, Exploring
@@ -204,6 +204,16 @@ def test_walking_by_keys_reaches_the_panels(desk: DeskOffscreen) -> None:
         desk.show(None, what)
         desk.show(None, what)
     assert [order for order in desk.poll() if order.name in ("avatar", "open")]
+
+
+def test_the_menu_is_walked_by_keys(desk: DeskOffscreen) -> None:
+    what = view(menu=True)
+    shown(desk, what, halves())
+    for key in ("Down", "Right", "Down", "Enter"):
+        desk.key(key)
+        desk.show(None, what)
+        desk.show(None, what)
+    assert [order for order in desk.poll() if BY_NAME[order.name].menu == "Avatar"]
 
 
 def test_larger_letters_and_small_windows_still_draw(desk: DeskOffscreen) -> None:
