@@ -9,7 +9,19 @@ from gemheads.app.errors import ExitCode
 
 from .conftest import Clip
 
-COMMANDS = ("live", "reenact", "demo", "info", "modes", "export", "bench", "doctor", "track", "train-regressor")
+COMMANDS = (
+    "live",
+    "reenact",
+    "demo",
+    "info",
+    "modes",
+    "export",
+    "distill",
+    "bench",
+    "doctor",
+    "track",
+    "train-regressor",
+)
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
