@@ -3,4 +3,9 @@
 The repository root is the package; the layers are ``app`` -> ``models`` -> ``render`` (see pyproject.toml).
 """
 
+import os
+
 __version__ = "0.1.0"
+
+# onnxruntime 1.31 writes a device id into the home folder and reports to its maker; this is read when it is loaded.
+os.environ["ORT_DISABLE_TELEMETRY"] = "1"
