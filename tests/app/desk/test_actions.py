@@ -1,3 +1,5 @@
+from pathlib import Path
+
 from gemheads.app.desk.actions import ACTIONS, BY_NAME, MENUS, Order
 from gemheads.app.desk.keys import key_name, keymap, rebound
 from gemheads.app.desk.panels.help import RESTING
@@ -109,3 +111,13 @@ def test_one_of_two_keys_can_be_changed() -> None:
     assert keys.keys_of("components") == ("-", "#")
     assert keys.order("#") == Order("components", 5, relative=True)
     assert keymap(rebound(changes, "components", 0, "~")).keys_of("components") == ("~", "#")
+
+
+def test_the_manual_has_every_action_as_it_is() -> None:
+    manual = (Path(__file__).parents[3] / "docs" / "live.md").read_text()
+    for action in ACTIONS:
+        row = next(line for line in manual.splitlines() if f"`{action.osc}`" in line)
+        assert action.title in row
+        assert row.startswith(f"| {action.menu} |")
+        assert row.endswith(f"| {action.argument} |")
+        assert action.name == "avatar" or all(f"`{key}`" in row for key, _ in action.keys)
