@@ -1,6 +1,7 @@
 """OpenGL contexts: without a window, or a window's own."""
 
 import sys
+import warnings
 from typing import Any
 
 import moderngl
@@ -39,6 +40,12 @@ def window_context(width: int, height: int, title: str, visible: bool = True) ->
     """
     import glfw  # the library looks for a display when it is loaded
 
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what glfw warns of is raised here in our own words
+        return _opened(glfw, width, height, title)
+
+
+def _opened(glfw: Any, width: int, height: int, title: str) -> tuple[Any, moderngl.Context]:
     if not glfw.init():
         raise NoOpenGLError("glfw finds no display to open a window on; draw into a file, or log into a desktop")
     hints = (

@@ -9,6 +9,9 @@ from ..casting import Avatar, expression_of, open_avatar
 from ..errors import CommandError
 from ..mailbox import Mailbox
 
+_END = Path()
+"""Asked for at the end."""
+
 
 @dataclass(frozen=True)
 class Refused:
@@ -44,9 +47,12 @@ class Loader:
         self.loading = None
         return answer
 
+    def close(self) -> None:
+        """End the thread, when it is through with what it opens."""
+        self._wanted.put(_END)
+
     def _run(self) -> None:
-        while True:
-            path = self._wanted.take(timeout=3600.0)
+        while (path := self._wanted.take(timeout=3600.0)) is not _END:
             if path is not None:
                 self._ready.put(self._opened(path))
 

@@ -1,7 +1,7 @@
 """The compression curve of an avatar, measured while the window goes on."""
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -37,16 +37,14 @@ def counts_of(gem: Gem) -> tuple[int, ...]:
     return (*(count for count in COUNTS if count < gem.components), gem.components)
 
 
-def curve_of(gem: Gem, poses: Sequence[Pose] | None = None, rng: np.random.Generator | None = None) -> Curve:
-    """PSNR against all components, over expressions drawn from the avatar's own spread (one sigma, fixed seed).
+def curve_of(gem: Gem, seed: int = 0, ended: Callable[[], bool] = lambda: False) -> Curve | None:
+    """PSNR against all components, over expressions drawn from the avatar's own spread (one sigma, by ``seed``).
 
-    Drawing takes the lock of the window's engine for one picture at a time.
+    Drawing takes the lock of the window's engine for one picture at a time. None when ``ended`` says so in between.
     """
-    rng = rng or np.random.default_rng(0)
-    if poses is None:
-        spread = rng.normal(size=(POSES, gem.coefficient_count)).astype(np.float32)
-        vectors = [gem.rest_coefficients, *(gem.clamped(row * gem.sigma) for row in spread)]
-        poses = [Pose(vector, NO_SHIFT) for vector in vectors]
+    spread = np.random.default_rng(seed).normal(size=(POSES, gem.coefficient_count)).astype(np.float32)
+    vectors = [gem.rest_coefficients, *(gem.clamped(row * gem.sigma) for row in spread)]
+    poses = [Pose(vector, NO_SHIFT) for vector in vectors]
     # splats of its own: those of the window are being drawn
     stage = Stage(gem, SoftwareEngine(), portrait(gem.viewing, SIZE, SIZE), GREY, Stopwatch())
     wholes = [_drawn(stage, pose) for pose in poses]
@@ -54,9 +52,11 @@ def curve_of(gem: Gem, poses: Sequence[Pose] | None = None, rng: np.random.Gener
     quality = []
     for count in counts:
         fewer = replace(stage, components=count)
-        squares = [
-            10 ** (-decibels(whole, _drawn(fewer, pose)) / 10) for whole, pose in zip(wholes, poses, strict=True)
-        ]
+        squares = []
+        for whole, pose in zip(wholes, poses, strict=True):
+            if ended():
+                return None
+            squares.append(10 ** (-decibels(whole, _drawn(fewer, pose)) / 10))
         quality.append(-10 * np.log10(np.mean(squares)))
     sizes = [megabytes(gem, count) for count in counts]
     return Curve(np.array(counts, float), np.array(sizes), np.array(quality))
@@ -71,7 +71,8 @@ class Measuring:
     """Measures avatars in a thread, one behind the other; keeps what it measured."""
 
     def __init__(self) -> None:
-        self._wanted: Mailbox[tuple[str, Gem]] = Mailbox()
+        self._wanted: Mailbox[tuple[str, Gem] | None] = Mailbox()
+        self._ended = threading.Event()
         self._curves: dict[str, Curve] = {}
         self._asked = ""
         threading.Thread(target=self._run, name="curve", daemon=True).start()
@@ -83,8 +84,13 @@ class Measuring:
             self._wanted.put((sha256, gem))
         return self._curves.get(sha256)
 
+    def close(self) -> None:
+        """End the thread, after at most one more picture."""
+        self._ended.set()
+        self._wanted.put(None)
+
     def _run(self) -> None:
-        while True:
+        while not self._ended.is_set():
             wanted = self._wanted.take(timeout=3600.0)
-            if wanted is not None:
-                self._curves[wanted[0]] = curve_of(wanted[1])
+            if wanted is not None and (curve := curve_of(wanted[1], ended=self._ended.is_set)) is not None:
+                self._curves[wanted[0]] = curve

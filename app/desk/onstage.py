@@ -126,7 +126,9 @@ class OnStage:
         return self._painter.comparison(self.pose, state, picture)
 
     def close(self) -> None:
-        """Let go of the engine."""
+        """Let go of the engine, and end what loads and measures."""
+        self._loader.close()
+        self._measuring.close()
         if self._painter is not None:
             self._painter.engine.close()
 

@@ -65,7 +65,8 @@ def _sentences(view: DeskView) -> Iterator[tuple[str, Colour]]:
     if state.resting:
         yield " ".join(view.rest.sentences) or "Look into the camera, face at rest.", theme.WARNING
     if view.loading:
-        yield f"Loading {view.loading} ...", theme.FAINT
+        first = "" if view.avatar.name else " The very first start compiles what draws, which takes up to a minute."
+        yield f"Loading {view.loading} ...{first}", theme.FAINT
     for toast in view.toasts:
         yield toast.text, theme.ALARM if toast.alarm else theme.TEXT
 

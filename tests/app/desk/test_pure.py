@@ -75,6 +75,8 @@ def test_the_comparison_shows_a_to_the_left_and_the_error_where_they_differ() ->
 def test_the_curve_rises_with_the_components_and_knows_what_they_cost() -> None:
     gem = head()
     curve = curve_of(gem)
+    assert curve is not None
+    assert curve_of(gem, ended=lambda: True) is None
     assert tuple(curve.components) == counts_of(gem) == (1, 2, 3, 5, 6)
     assert curve.decibels[-1] == EXACT_DB
     assert curve.decibels[0] < curve.decibels[-2] < EXACT_DB

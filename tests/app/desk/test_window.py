@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 REASON = "needs Xvfb and xdotool (Debian: apt-get install xvfb xdotool)"
-pytestmark = pytest.mark.skipif(not (shutil.which("Xvfb") and shutil.which("xdotool")), reason=REASON)
+driven = pytest.mark.skipif(not (shutil.which("Xvfb") and shutil.which("xdotool")), reason=REASON)
 
 PROGRAM = """
 import sys, threading
@@ -124,6 +124,7 @@ def word(state: str, index: int) -> str:
     return state.replace(", ", ",").split()[index + 1]
 
 
+@driven
 def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
     running: Running, tiny: Path, tmp_path: Path
 ) -> None:
@@ -160,3 +161,14 @@ def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
     print(f"closed after {seconds:.2f} s")
     assert seconds < 3  # under a second on an idle machine; this one may be busy
     assert "tiny.gem" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems always have a display")
+def test_without_a_display_it_says_so_in_one_line(tmp_path: Path) -> None:
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    command = [sys.executable, "-m", "gemheads.app.cli", "live"]
+    environment["XDG_CONFIG_HOME"] = str(tmp_path)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 3
+    assert done.stderr.startswith("error: gemheads live: ")
+    assert done.stderr.count("\n") == 1
