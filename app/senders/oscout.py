@@ -10,7 +10,8 @@ from ..performance import Pose
 from .outlet import Shown
 
 LOOPBACK = "127.0.0.1"
-PORT = 9140
+PORT = 9141
+"""Beside 9140, on which the window listens for orders."""
 
 
 class CoefficientsOut:
