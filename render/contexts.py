@@ -42,10 +42,10 @@ def window_context(width: int, height: int, title: str, visible: bool = True) ->
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what glfw warns of is raised here in our own words
-        return _opened(glfw, width, height, title)
+        return _opened(glfw, width, height, title, visible)
 
 
-def _opened(glfw: Any, width: int, height: int, title: str) -> tuple[Any, moderngl.Context]:
+def _opened(glfw: Any, width: int, height: int, title: str, visible: bool) -> tuple[Any, moderngl.Context]:
     if not glfw.init():
         raise NoOpenGLError("glfw finds no display to open a window on; draw into a file, or log into a desktop")
     hints = (
@@ -59,7 +59,8 @@ def _opened(glfw: Any, width: int, height: int, title: str) -> tuple[Any, modern
         glfw.window_hint(hint, value)
     window = glfw.create_window(width, height, title, None, None)
     if not window:
-        glfw.terminate()
+        if not glfw.get_current_context():  # another window may be open
+            glfw.terminate()
         raise NoOpenGLError(f"no window with OpenGL 3.3 could be opened; {_CURE}")
     glfw.make_context_current(window)
     return window, moderngl.create_context(require=_VERSION)

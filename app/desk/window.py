@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...render.contexts import window_context
+from ...render.contexts import NoOpenGLError, window_context
 from .actions import Order
 from .cleanwindow import CleanWindow
 from .keys import Keymap, keymap
@@ -122,7 +122,10 @@ class DeskWindow:
             self._clean = None
             return picture is None
         if self._clean is None:
-            self._clean = CleanWindow((picture.shape[1], picture.shape[0]), self._listen)
+            try:
+                self._clean = CleanWindow((picture.shape[1], picture.shape[0]), self._listen)
+            except NoOpenGLError:
+                return False
         self._clean.show(picture)
         return True
 
