@@ -21,7 +21,7 @@ app = App(
 
 for command in (
     *(live.live, driven.reenact, driven.demo, driven.track),
-    *(avatars.info, avatars.modes, avatars.export, avatars.distill, avatars.train_regressor),
+    *(avatars.info, avatars.modes, avatars.export, avatars.distill, avatars.fit, avatars.train_regressor),
     *(machine.bench, machine.doctor),
 ):
     app.command(command)

@@ -1,4 +1,4 @@
-"""Commands about an avatar by itself: info, modes, export, distill and train-regressor."""
+"""Commands about an avatar by itself: info, modes, export, distill, fit and train-regressor."""
 
 from pathlib import Path
 from typing import Annotated
@@ -109,6 +109,38 @@ def distill(
 
     about = {"author": author, "licence": licence, "consent": consent}
     return run_distilling(source, Path(out), Wanted(name, components, frames, seed, scale, about))
+
+
+def fit(
+    avatar: str,
+    picture: str,
+    /,
+    *,
+    out: Out,
+    camera: str = "portrait",
+    background: str = "auto",
+    errors: Path | None = None,
+    thorough: Annotated[bool, Parameter(negative="")] = False,
+    rate: str = "30",
+) -> int:
+    """Find the expression and the head's pose in pictures of an avatar (extra: pip install 'gemheads[train]').
+
+    Args:
+        avatar: Name of an avatar or a .gem file.
+        picture: A picture or video of that avatar or person, a folder of pictures, or numbered pictures.
+        out: The track to write, for `reenact --track`.
+        camera: portrait is the view of `reenact`; else a JSON file with the camera that took the pictures.
+        background: The colour behind the head (#rrggbb or a name); auto takes that of the first picture's upper edge.
+        errors: A PNG of the frame that fits least: picture, fit, and where they differ.
+        thorough: Take some seconds more for the first frame.
+        rate: Frames per second of pictures.
+    """
+    from ..fitting import FitWish, run_fitting
+    from ..library import find_avatar
+    from ..words import read_rate
+
+    wish = FitWish(camera, background, errors, thorough, read_rate(rate))
+    return run_fitting(picture, Path(out), find_avatar(avatar), wish)
 
 
 def train_regressor(
