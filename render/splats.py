@@ -1,9 +1,10 @@
 """The picture by OpenGL 3.3: instanced quads, far to near, after a projection pass on the GPU."""
 
 import time
-from typing import Literal
+from typing import Any, Literal
 
 import moderngl
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -88,6 +89,18 @@ class SplatRenderer:
         stages = ("sort", "upload", "project", "draw", "read")
         self.timings = dict(zip(stages, np.diff(times).tolist(), strict=True))
         return self._image
+
+    @staticmethod
+    def warm() -> None:
+        """Compile what sorts splats, or load it from disk, without running it: safe in a thread while others draw."""
+        flat, wide = (numba.types.Array(numba.float32, n, "C") for n in (1, 2))
+        doubles, ints = numba.types.Array(numba.float64, 1, "C"), numba.types.Array(numba.int32, 2, "C")
+        kernels: tuple[tuple[Any, tuple[Any, ...]], ...] = (
+            (view_depths, (wide, wide, wide, flat, doubles, doubles)),
+            (front_to_back, (doubles, ints)),
+        )
+        for kernel, types in kernels:
+            kernel.compile(types)
 
     def close(self) -> None:
         """Release everything on the GPU, and the context if it is the renderer's own."""

@@ -1,11 +1,14 @@
 """``gemheads live``: puts a session together, opens the window, and keeps what is to be remembered."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from ...render.contexts import NoOpenGLError
 from ...render.engines import EngineName, open_engine
+from ...render.software import SoftwareEngine
+from ...render.splats import SplatRenderer
 from ..errors import ExitCode, InputError
 from ..library import avatars, find_avatar
 from ..live import run_live
@@ -63,7 +66,14 @@ def live_command(
         state = update(state, Order("ui_scale", desk.content_scale))
     outputs = Outputs(size, RATE, recordings_folder)
     session = Session(
-        state, roster, keymap(settings.keys), lambda: open_engine(engine, desk.context), outputs, size, remote
+        state,
+        roster,
+        keymap(settings.keys),
+        lambda: open_engine(engine, desk.context),
+        outputs,
+        size,
+        remote,
+        warm=warmer(engine),
     )
     session.driving.camera = settings.camera
     if complaint:
@@ -102,6 +112,11 @@ def first_orders(driver: str | None, camera: str | None) -> tuple[Order, ...]:
     if driver is not None:
         return (Order("open", driver),)
     return (Order("camera", camera),) if camera is not None else ()
+
+
+def warmer(engine: EngineName) -> Callable[[], None]:
+    """What compiles the engine's first frame; ``auto`` begins with quads, and compiles the other one by itself."""
+    return SoftwareEngine().warm if engine == "software" else SplatRenderer.warm
 
 
 def recordings_folder() -> Path:

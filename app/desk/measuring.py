@@ -46,7 +46,9 @@ def curve_of(gem: Gem, seed: int = 0, ended: Callable[[], bool] = lambda: False)
     vectors = [gem.rest_coefficients, *(gem.clamped(row * gem.sigma) for row in spread)]
     poses = [Pose(vector, NO_SHIFT) for vector in vectors]
     # splats of its own: those of the window are being drawn
-    stage = Stage(gem, SoftwareEngine(), portrait(gem.viewing, SIZE, SIZE), GREY, Stopwatch())
+    engine = SoftwareEngine()
+    engine.warm()  # compiled before the lock is taken: the window draws with quads meanwhile
+    stage = Stage(gem, engine, portrait(gem.viewing, SIZE, SIZE), GREY, Stopwatch())
     wholes = [_drawn(stage, pose) for pose in poses]
     counts = counts_of(gem)
     quality = []

@@ -30,8 +30,16 @@ SWITCH_SECS = 0.1
 class OnStage:
     """For the window's thread."""
 
-    def __init__(self, roster: Roster, engine: Callable[[], Engine], size: tuple[int, int], watch: Stopwatch) -> None:
-        """``engine`` is opened with the first avatar; ``size``: width and height of the picture."""
+    def __init__(
+        self,
+        roster: Roster,
+        engine: Callable[[], Engine],
+        size: tuple[int, int],
+        watch: Stopwatch,
+        warm: Callable[[], None],
+    ) -> None:
+        """``engine`` is opened with the first avatar, after ``warm`` has compiled what it needs in another thread;
+        ``size``: width and height of the picture."""
         self.roster = roster
         self.avatar: Avatar | None = None
         self.shot: Shot | None = None
@@ -39,7 +47,7 @@ class OnStage:
         self.pose = Pose(np.zeros(0, np.float32), NO_SHIFT)
         """What the last picture shows."""
         self._open_engine, self._size, self._watch = engine, size, watch
-        self._loader, self._measuring = Loader(compiled), Measuring()
+        self._loader, self._measuring = Loader(lambda avatar: compiled(avatar, warm)), Measuring()
         self._painter: Painter | None = None
         self._coming: tuple[Avatar, float] | None = None
         self._drawn: tuple[object, ...] = ()
@@ -133,9 +141,13 @@ class OnStage:
             self._painter.engine.close()
 
 
-def compiled(avatar: Avatar) -> None:
-    """Compile what the window's thread will need for this avatar, or load it from disk: it must never wait for that."""
+def compiled(avatar: Avatar, warm: Callable[[], None]) -> None:
+    """Compile what the window's thread will need for this avatar, or load it from disk: it must never wait for that.
+
+    ``warm`` does so for what draws.
+    """
     gem = avatar.gem
+    warm()
     with KERNELS:
         splats = gem.compose(gem.rest_coefficients)
         pose_head(splats, gem.neck_weights, gem.neck_pivot, NO_SHIFT, NO_SHIFT)

@@ -40,6 +40,7 @@ class Session:
         size: tuple[int, int] = (512, 512),
         remote: Remote | None = None,
         driving: Driving | None = None,
+        warm: Callable[[], None] = lambda: None,
     ) -> None:
         """
         Args:
@@ -51,11 +52,12 @@ class Session:
             size: width and height of the picture in pixels.
             remote: orders from other programs.
             driving: made here unless given.
+            warm: compiles what ``engine`` needs, in another thread and before it is opened.
         """
         self.state, self.keymap, self.outputs, self.remote = state, keymap, outputs, remote
         self.gauges = Gauges()
         self.driving = driving or Driving(self.tell)
-        self.stage = OnStage(roster, engine, size, self.gauges)
+        self.stage = OnStage(roster, engine, size, self.gauges, warm)
         self._toasts: list[tuple[float, Toast]] = []
         self._shown_at, self._lowered = 0.0, ""
         for complaint in keymap.conflicts:

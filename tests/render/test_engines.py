@@ -2,14 +2,19 @@
 
 import sys
 import threading
+from typing import Any
 
+import moderngl
 import numpy as np
 import pytest
 from gemheads.render import contexts
 from gemheads.render.camera import Camera
+from gemheads.render.culling import view_depths
 from gemheads.render.engines import FastestEngine, open_engine
 from gemheads.render.gaussians import RawGaussians
 from gemheads.render.software import SoftwareEngine
+from gemheads.render.sorting import front_to_back
+from gemheads.render.splats import SplatRenderer
 
 from .scenes import portrait_camera, shell
 
@@ -140,3 +145,26 @@ def test_warming_compiles_what_drawing_needs() -> None:
     )
     engine.draw(RAW, CAMERA)
     assert [len(kernel.signatures) for kernel in kernels] == [1] * len(kernels)
+
+
+def test_what_quads_need_can_be_compiled_ahead() -> None:
+    """After ``warm`` a frame compiles nothing more: a window that draws it would stand still meanwhile."""
+    engine = open_engine("quads")
+    kernels: list[Any] = [view_depths, front_to_back]
+    SplatRenderer.warm()
+    known = [len(kernel.signatures) for kernel in kernels]
+    engine.draw(RAW, CAMERA)
+    engine.close()
+    assert [len(kernel.signatures) for kernel in kernels] == known
+
+
+def test_quads_draw_in_a_context_that_is_there_and_leave_it_open(context: moderngl.Context) -> None:
+    engine = open_engine("quads", context)
+    picture = engine.draw(RAW, CAMERA).copy()
+    engine.close()
+    own = open_engine("quads")
+    np.testing.assert_array_equal(own.draw(RAW, CAMERA), picture)
+    own.close()
+    with context:
+        context.simple_framebuffer((4, 4)).clear(1, 0, 0)
+        assert context.error == "GL_NO_ERROR"
