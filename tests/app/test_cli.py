@@ -20,6 +20,7 @@ COMMANDS = (
     "bench",
     "doctor",
     "track",
+    "fit",
     "train-regressor",
 )
 
