@@ -162,9 +162,10 @@ def test_quads_draw_in_a_context_that_is_there_and_leave_it_open(context: modern
     engine = open_engine("quads", context)
     picture = engine.draw(RAW, CAMERA).copy()
     engine.close()
+    with context:
+        frame = context.simple_framebuffer((4, 4))
+        frame.clear(1, 0, 0)
+        assert frame.read()[:3] == b"\xff\x00\x00"
     own = open_engine("quads")
     np.testing.assert_array_equal(own.draw(RAW, CAMERA), picture)
     own.close()
-    with context:
-        context.simple_framebuffer((4, 4)).clear(1, 0, 0)
-        assert context.error == "GL_NO_ERROR"
