@@ -8,6 +8,8 @@ from .errors import InputError
 SHIPPED = Path(__file__).resolve().parent.parent / "assets" / "avatars"
 DEMO_CLIP = SHIPPED.parent / "demo" / "driver.mp4"
 SUFFIX = ".gem"
+DEFAULT = "mara"
+"""Follows strangers best (docs/closed-loop.md)."""
 
 
 @dataclass(frozen=True)
@@ -36,13 +38,16 @@ def avatars(folders: tuple[tuple[Path, bool], ...] | None = None) -> list[Entry]
 
 
 def find_avatar(wanted: str | None = None, entries: list[Entry] | None = None) -> Path:
-    """The file of an avatar given by name or path; the first shipped one when none is given. Raises InputError."""
+    """The file of an avatar given by name or path; when none is given DEFAULT, or the first that ships.
+
+    Raises InputError.
+    """
     entries = avatars() if entries is None else entries
     if wanted is None:
         shipped = [entry for entry in entries if entry.shipped] or entries
         if not shipped:
             raise InputError(f"no avatar in {SHIPPED}; run `make avatars`, or give --avatar FILE{SUFFIX}")
-        return shipped[0].path
+        return next((entry for entry in shipped if entry.name == DEFAULT), shipped[0]).path
     for entry in entries:
         if entry.name == wanted:
             return entry.path

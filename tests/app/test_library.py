@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 from gemheads.app.errors import InputError
-from gemheads.app.library import Entry, avatars, find_avatar
+from gemheads.app.library import DEFAULT, Entry, avatars, find_avatar
 
 
 @pytest.fixture
@@ -30,6 +30,11 @@ def test_by_name_by_path_and_by_default(folders: tuple[tuple[Path, bool], ...], 
     assert find_avatar("zoe", entries) == tmp_path / "mine" / "zoe.gem"
     assert find_avatar(str(tmp_path / "shipped" / "bo.gem"), entries) == tmp_path / "shipped" / "bo.gem"
     assert find_avatar(None, entries) == tmp_path / "shipped" / "bo.gem"
+
+
+def test_the_default_is_the_favourite_where_it_ships(tmp_path: Path) -> None:
+    entries = [Entry(name, tmp_path / name, shipped=True) for name in ("ada", DEFAULT, "zoe")]
+    assert find_avatar(None, entries) == tmp_path / DEFAULT
 
 
 def test_an_unknown_avatar_is_told_with_those_there_are(folders: tuple[tuple[Path, bool], ...]) -> None:
