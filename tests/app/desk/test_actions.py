@@ -116,7 +116,7 @@ def test_one_of_two_keys_can_be_changed() -> None:
 def test_the_manual_has_every_action_as_it_is() -> None:
     manual = (Path(__file__).parents[3] / "docs" / "live.md").read_text()
     for action in ACTIONS:
-        row = next(line for line in manual.splitlines() if f"`{action.osc}`" in line)
+        row = next(line for line in manual.splitlines() if f"| `{action.osc}` |" in line)
         assert action.title in row
         assert row.startswith(f"| {action.menu} |")
         assert row.endswith(f"| {action.argument} |")
