@@ -94,6 +94,7 @@ ACTIONS: tuple[Action, ...] = (
     _dial("warmth", "Warmth of the light", "View", "Ctrl+PageDown", "Ctrl+PageUp", 0.1),
     _one("curtain", "Privacy curtain", "Outputs", "0", "switch"),
     _one("record", "Record", "Outputs", "R", "switch"),
+    _one("microphone", "Record the microphone too", "Outputs", "Ctrl+M", "switch"),
     _one("picture", "Save a picture", "Outputs", "P"),
     _one("virtual_camera", "Virtual camera", "Outputs", "V", "switch"),
     _one("clean_window", "Clean window", "Outputs", "W", "switch"),

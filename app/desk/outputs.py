@@ -64,13 +64,15 @@ class Outputs:
         self._started.add(name)
         transparent = state.background == "transparent"
         if name == "record":
-            self.fan.start(label, lambda: self._recording(transparent), depth=RECORDING_DEPTH)
+            sound = state.microphone
+            self.fan.start(label, lambda: self._recording(transparent, sound), depth=RECORDING_DEPTH)
         elif name == "virtual_camera":
             self.fan.start(label, lambda: open_virtual_camera(self._size, rate=self._rate))
         else:
             self.fan.start(label, CoefficientsOut)
 
-    def _recording(self, transparent: bool) -> Recording:
+    def _recording(self, transparent: bool, sound: bool) -> Recording:
         folder = self._folder()
         folder.mkdir(parents=True, exist_ok=True)
-        return open_recording(recording_name(folder, transparent, datetime.now()), self._size, self._rate, transparent)
+        path = recording_name(folder, transparent, datetime.now())
+        return open_recording(path, self._size, self._rate, transparent, sound)

@@ -88,6 +88,8 @@ class DeskState:
     warmth: float = 0.0
     """-1 cold to 1 warm."""
     record: bool = False
+    microphone: bool = False
+    """Whether the next recording has sound."""
     virtual_camera: bool = False
     clean_window: bool = False
     coefficients: bool = False
@@ -108,7 +110,7 @@ class DeskState:
 
 
 SWITCHES = frozenset(
-    "compare error_map curve loop head_pose mirror curtain record virtual_camera clean_window coefficients panels"
+    "compare error_map curve loop head_pose mirror curtain record microphone virtual_camera clean_window coefficients panels"
     " figures ladder walk menu full_screen help".split()
 )
 RANGES: dict[str, tuple[float, float]] = {

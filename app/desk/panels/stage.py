@@ -47,6 +47,7 @@ def outputs(view: DeskView, ask: Ask) -> None:
     button(view, ask, "coefficients", "OSC out", width=width, lit=state.coefficients)
     imgui.same_line()
     button(view, ask, "curtain", "Curtain", width=width, lit=state.curtain)
+    switch(view, ask, "microphone", "Record sound too", state.microphone)
     for line in view.outputs:
         words = f"{line.name}: {line.status}" + (f", {line.drops} skipped" if line.drops else "")
         text(words, theme.ALARM) if line.failed else faint(words)
