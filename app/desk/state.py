@@ -110,8 +110,8 @@ class DeskState:
 
 
 SWITCHES = frozenset(
-    "compare error_map curve loop head_pose mirror curtain record microphone virtual_camera clean_window coefficients panels"
-    " figures ladder walk menu full_screen help".split()
+    "compare error_map curve loop head_pose mirror curtain record microphone virtual_camera clean_window coefficients"
+    " panels figures ladder walk menu full_screen help".split()
 )
 RANGES: dict[str, tuple[float, float]] = {
     "split": (0.0, 1.0),
