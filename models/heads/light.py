@@ -24,7 +24,7 @@ KEY = np.array(LAMPS[0][0]) / np.linalg.norm(LAMPS[0][0])
 BOUNCE = np.array([0.34, 0.23, 0.19])
 """What a blocked direction still sends: light from other skin."""
 THROUGH_HAIR = 0.35
-TEETH_LIGHT = (0.60, 0.80)
+TEETH_LIGHT = (0.95, 1.25)
 """Bounds of the irradiance on teeth: how it falls off inside the mouth is painted (see teeth.paint_teeth)."""
 SPREAD_M = (0.0042, 0.0019, 0.0012)
 """How far red, green and blue travel under the skin."""
