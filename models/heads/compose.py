@@ -20,6 +20,8 @@ Floats = NDArray[np.floating]
 
 SHARES = {"lashes": 0.012, "brows": 0.026}
 """Parts of the budget that are strands; the rest lies on surfaces."""
+MOST = {"lashes": 300, "brows": 640}
+"""However large the budget: hairs keep their size, so more of them would close to a black bar."""
 TANGENT_SIGMA = 0.66
 NORMAL_SIGMA = 0.08
 """Of a surface splat, in mean distances to its six neighbours."""
@@ -119,8 +121,9 @@ def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> 
     rng = np.random.default_rng(seed)
     head, person = shader.head, shader.person
     hair = hair_rider(head, person, ingredients, shader.light, int(person.hair.share * count), rng)
-    lashes = lash_rider(head, person, ingredients, int(SHARES["lashes"] * count), rng)
-    brows = brow_rider(head, person, shader.brows, shader.light, int(SHARES["brows"] * count), rng)
+    hairs = {name: min(int(share * count), MOST[name]) for name, share in SHARES.items()}
+    lashes = lash_rider(head, person, ingredients, hairs["lashes"], rng)
+    brows = brow_rider(head, person, shader.brows, shader.light, hairs["brows"], rng)
     glints = glint_rider(head)
     surface = surface_rider(shader, count - len(hair) - len(lashes) - len(brows) - len(glints), rng)
     return joined([surface, brows, lashes, hair, glints])

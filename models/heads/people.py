@@ -188,15 +188,34 @@ JONAH = Person(
 
 LIN = Person(
     name="lin",
-    targets=_macro({"asian": 1.0}, {"female": 1.0}, {"young": 1.0}),
+    targets=_macro({"asian": 0.75, "caucasian": 0.25}, {"female": 1.0}, {"young": 1.0})
+    | _both("cheek/cheek-volume-decr", 0.4)
+    | _both("eyes/eye-scale-incr", 0.6)
+    | {
+        "head/head-fat-decr": 0.5,
+        "head/head-oval": 0.5,
+        "head/head-scale-horiz-decr": 0.2,
+        "chin/chin-width-decr": 0.4,
+        "nose/nose-scale-horiz-decr": 0.6,
+        "eyebrows/eyebrows-trans-up": 0.85,
+        "mouth/mouth-angles-up": 0.5,
+        "mouth/mouth-scale-depth-decr": 0.5,
+        "mouth/mouth-lowerlip-volume-decr": 0.35,
+        "mouth/mouth-upperlip-volume-decr": 0.35,
+    },
     skin="young_asian_female/textures/young_lightskinned_female_diffuse3.png",
     eye="brown",
-    brow="eyebrow004",
-    brow_color=(0.12, 0.09, 0.08),
-    hair=Hair("ponytail01", (0.09, 0.07, 0.065), (0.22, 0.17, 0.14), gloss=0.8),
+    brow="eyebrow001",
+    brow_color=(0.42, 0.32, 0.265),
+    hair=Hair("long01", (0.13, 0.085, 0.065), (0.30, 0.20, 0.15), gloss=0.6, combed=True),
     seed=51,
-    brow_lift=0.0045,
-    rest=RELAXED,
+    brow_lift=0.0024,
+    lip=(0.72, 0.43, 0.41),
+    shirt=(0.20, 0.30, 0.36),
+    rest=RELAXED
+    | {"mouthSmileLeft": 0.15, "mouthSmileRight": 0.15}
+    | {"browOuterUpLeft": 0.08, "browOuterUpRight": 0.08},
+    gain=_paired({"mouthFrown": 1.6}),
 )
 
 AVATARS = (MARA, THEO, JONAH)
