@@ -7,6 +7,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 SYSTEM_PACKAGES := libegl1 libgl1 libgl1-mesa-dri
+WINDOW_PACKAGES := xvfb xdotool
 SYSTEM := build/system.stamp
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
@@ -15,7 +16,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 demo: $(VENV)/base.stamp $(VENV)/warm.stamp
 	$(BIN)/gemheads demo
 
-test: lint
+test: lint build/window.stamp
 	$(BIN)/pytest
 
 lint: $(VENV)/dev.stamp
@@ -53,6 +54,10 @@ $(VENV)/bin/python:
 
 $(SYSTEM):
 	@.ci/system-packages $(SYSTEM_PACKAGES)
+	@mkdir -p $(dir $@) && touch $@
+
+build/window.stamp:
+	@.ci/system-packages $(WINDOW_PACKAGES)
 	@mkdir -p $(dir $@) && touch $@
 
 clean:
