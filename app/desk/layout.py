@@ -112,7 +112,7 @@ class Panels:
         elif state.curve:
             _card("curve", curve.WIDTH, curve.curve, view, ask, area)
         elif state.welcome:
-            _card("welcome", welcome.WIDTH, welcome.welcome, view, ask, area)
+            _card("welcome", welcome.WIDTH, welcome.welcome, view, ask, area, low=True)
 
 
 def _column(name: str, area: Area | None, parts: tuple[Panel, ...], view: DeskView, ask: Ask, focus: bool) -> None:
@@ -128,13 +128,15 @@ def _column(name: str, area: Area | None, parts: tuple[Panel, ...], view: DeskVi
     imgui.end()
 
 
-def _card(name: str, width: float, panel: Panel, view: DeskView, ask: Ask, area: Area) -> None:
+def _card(name: str, width: float, panel: Panel, view: DeskView, ask: Ask, area: Area, low: bool = False) -> None:
+    """In the middle of the picture, or ``low`` at its foot; where it is wider than that, of the window."""
     scale, screen = view.state.ui_scale, imgui.get_io().display_size
     width, tallest = min(width * scale, screen.x - 2 * GAP), screen.y - 2 * GAP
-    middle = imgui.ImVec2(area.left + area.width / 2, area.top + area.height / 2)
+    part = 1.0 if low else 0.5
+    place = imgui.ImVec2(area.left + area.width / 2, area.top + GAP + (area.height - 2 * GAP) * part)
     if width > area.width:
-        middle = imgui.ImVec2(screen.x / 2, screen.y / 2)
-    imgui.set_next_window_pos(middle, imgui.Cond_.always.value, imgui.ImVec2(0.5, 0.5))
+        place = imgui.ImVec2(screen.x / 2, GAP + (screen.y - 2 * GAP) * part)
+    imgui.set_next_window_pos(place, imgui.Cond_.always.value, imgui.ImVec2(0.5, part))
     imgui.set_next_window_size_constraints(imgui.ImVec2(width, 0), imgui.ImVec2(width, tallest))
     imgui.begin(name, None, _CARD)
     if imgui.is_window_appearing():

@@ -125,7 +125,7 @@ class Session:
         stage, driving = self.stage, self.driving
         readings = self.gauges.read(driving.health, stage.engine, self._components, now)
         if readings.lowered and readings.lowered != self._lowered:
-            self.tell(f"{readings.lowered} J switches this off.")
+            self.tell(f"{readings.lowered} J switches this off.", topic="quality")
         self._lowered = readings.lowered
         return DeskView(
             state=self.state,
@@ -150,9 +150,11 @@ class Session:
         """What other programs ask for."""
         return self.remote.orders() if self.remote is not None else []
 
-    def tell(self, words: str, alarm: bool = False) -> None:
-        """Say something over the picture for some seconds."""
-        self._toasts.append((time.perf_counter() + TOAST_SECS, Toast(words, alarm)))
+    def tell(self, words: str, alarm: bool = False, topic: str = "") -> None:
+        """Say something over the picture for some seconds, in place of what was said on the same ``topic``."""
+        if topic:
+            self._toasts = [(until, toast) for until, toast in self._toasts if toast.topic != topic]
+        self._toasts.append((time.perf_counter() + TOAST_SECS, Toast(words, alarm, topic)))
 
     def close(self) -> None:
         """End everything, in under a second."""

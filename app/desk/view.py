@@ -18,6 +18,8 @@ class Toast:
 
     text: str
     alarm: bool = False
+    topic: str = ""
+    """Another message on the same topic takes its place; "" for messages that stand alone."""
 
 
 @dataclass(frozen=True)

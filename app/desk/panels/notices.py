@@ -12,11 +12,16 @@ from .controls import packed, scale
 
 
 def notices(view: DeskView, picture: Area) -> None:
-    """Pills at the foot of the picture, the newest at the bottom."""
+    """Pills at the foot of the picture, the newest at the bottom; at its head while a card lies at the foot."""
     pen, unit = imgui.get_foreground_draw_list(), scale(view)
+    if view.state.welcome:
+        top = picture.top + 14 * unit
+        for words, ink in _sentences(view):
+            top += _pill(pen, words, ink, picture, top, unit, hangs=True) + 8 * unit
+        return
     bottom = picture.top + picture.height - 14 * unit
     for words, ink in reversed(list(_sentences(view))):
-        bottom = _pill(pen, words, ink, picture, bottom, unit) - 8 * unit
+        bottom -= _pill(pen, words, ink, picture, bottom, unit) + 8 * unit
 
 
 def said(view: DeskView) -> bool:
@@ -71,15 +76,18 @@ def _sentences(view: DeskView) -> Iterator[tuple[str, Colour]]:
         yield toast.text, theme.ALARM if toast.alarm else theme.TEXT
 
 
-def _pill(pen: imgui.ImDrawList, words: str, ink: Colour, picture: Area, bottom: float, unit: float) -> float:
-    """Draws words centred above ``bottom``, wrapped to the picture; returns its top."""
+def _pill(
+    pen: imgui.ImDrawList, words: str, ink: Colour, picture: Area, edge: float, unit: float, hangs: bool = False
+) -> float:
+    """Draws words centred above ``edge``, or below it when it ``hangs``, wrapped to the picture; returns its height."""
     widest = max(160 * unit, min(picture.width - 48 * unit, 560 * unit))
     size = imgui.calc_text_size(words, False, widest)
     pad_x, pad_y = 14 * unit, 8 * unit
     left = picture.left + (picture.width - size.x) / 2 - pad_x
-    top = bottom - size.y - 2 * pad_y
-    corner = imgui.ImVec2(left + size.x + 2 * pad_x, bottom)
+    height = size.y + 2 * pad_y
+    top = edge if hangs else edge - height
+    corner = imgui.ImVec2(left + size.x + 2 * pad_x, top + height)
     pen.add_rect_filled(imgui.ImVec2(left, top), corner, packed(theme.PANEL, 0.92), 8 * unit)
     at = imgui.ImVec2(left + pad_x, top + pad_y)
     pen.add_text(imgui.get_font(), imgui.get_font_size(), at, packed(ink), words, widest)
-    return top
+    return height

@@ -6,25 +6,31 @@ from .. import theme
 from ..view import DeskView
 from .controls import Ask, button, faint, packed, scale, text, title
 
-WIDTH = 440.0
+WIDTH = 620.0
+NARROW = 480.0
+"""Below this the ways stand in one column."""
 WAYS = (
-    ("camera", "My camera", "The avatar does what you do. No picture of you is kept or sent."),
-    ("open", "A video or pictures", "The avatar does what the face in it does. Or drop a file here."),
-    ("demo", "The demo", "A shipped clip of a face, so that you see how it goes."),
+    ("camera", "My camera", "No picture of you is kept or sent."),
+    ("open", "A video or pictures", "The face in it drives. Or drop it here."),
+    ("demo", "The demo", "A shipped clip, to see how it goes."),
     ("open", "An avatar file", "Your own .gem. Or drop it here."),
 )
 
 
 def welcome(view: DeskView, ask: Ask) -> None:
-    """In the middle, until one is chosen or Esc is pressed."""
+    """At the foot of the picture, so that the face stays free, until one is chosen or Esc is pressed."""
     unit = scale(view)
     title("Who should the avatar follow?")
     faint("It plays a shipped performance by itself until you choose.")
     imgui.dummy(imgui.ImVec2(0, 4 * unit))
+    room, gap = imgui.get_content_region_avail().x, imgui.get_style().item_spacing.x
+    columns = 1 if room < NARROW * unit else 2
+    width, height = (room - gap * (columns - 1)) / columns, 52 * unit
     for index, (name, label, why) in enumerate(WAYS):
         imgui.push_id(index)
-        place, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
-        height = 52 * unit
+        if index % columns:
+            imgui.same_line()
+        place = imgui.get_cursor_screen_pos()
         pressed = imgui.invisible_button("way", imgui.ImVec2(width, height))
         lit = imgui.is_item_hovered() or imgui.is_item_focused()
         pen = imgui.get_window_draw_list()

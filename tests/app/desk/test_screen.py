@@ -92,13 +92,12 @@ def test_what_is_transparent_shows_a_chequerboard(desk: DeskOffscreen) -> None:
 @pytest.mark.parametrize(
     ("what", "covered"),
     [
-        (view(welcome=True), 0.1),
         (view(help=True), 0.5),
         (view(prompt=True), 0.05),
         (replace(view(curve=True), curve=Curve(np.array([1.0, 9]), np.array([1.0, 9]), np.array([30.0, 60]))), 0.1),
         (view(curve=True), 0.01),
     ],
-    ids=["welcome", "help", "prompt", "curve", "curve being measured"],
+    ids=["help", "prompt", "curve", "curve being measured"],
 )
 def test_cards_lie_in_the_middle_over_the_picture(desk: DeskOffscreen, what: DeskView, covered: float) -> None:
     white = np.full((64, 64, 3), 255, np.uint8)
@@ -108,6 +107,16 @@ def test_cards_lie_in_the_middle_over_the_picture(desk: DeskOffscreen, what: Des
     assert changed.mean() > covered
     height, width = changed.shape
     assert changed[height // 2 - 20 : height // 2 + 20, width // 2 - 20 : width // 2 + 20].mean() > 0.5
+
+
+def test_the_card_of_the_first_run_leaves_the_face_free(desk: DeskOffscreen) -> None:
+    white = np.full((64, 64, 3), 255, np.uint8)
+    plain = part(shown(desk, view(), white), view())
+    what = view(welcome=True)
+    changed = np.abs(part(shown(desk, what), what) - plain).max(-1) > 60
+    height = len(changed)
+    assert changed[int(0.65 * height) :].mean() > 0.3
+    assert not changed[: int(0.45 * height)].any()
 
 
 PHASES = ["no source", "opening", "searching", "tracking", "hold", "idle", "stalled"]

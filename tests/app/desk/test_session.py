@@ -97,6 +97,12 @@ def test_an_avatar_that_nothing_drives_yet_comes_on_stage_all_the_same(room: Roo
     until(room.session, lambda: room.session.stage.roster.current == 1)
 
 
+def test_a_message_takes_the_place_of_the_last_on_its_topic(room: Room) -> None:
+    for words, topic in (("one", ""), ("slow", "quality"), ("two", ""), ("slower", "quality")):
+        room.session.tell(words, topic=topic)
+    assert [toast.text for toast in room.session.view(time.perf_counter()).toasts] == ["one", "two", "slower"]
+
+
 def test_a_broken_file_is_refused_with_its_reason_and_the_old_avatar_stays(
     room: Room, avatars: tuple[Path, ...]
 ) -> None:
