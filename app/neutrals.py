@@ -1,6 +1,6 @@
-"""The frame that counts as a driver's face at rest: ``auto``, ``first``, ``frame=N``, ``time=S`` or ``image=PATH``."""
+"""The driver's face at rest: ``auto``, ``first``, ``frame=N``, ``time=S``, ``image=PATH`` or ``profile=NAME``."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -10,6 +10,7 @@ from .contact import contact_sheet
 from .errors import InputError, NoFaceError, UsageError
 from .frames import Frame
 from .pictures import write_png
+from .profiles import kept_cameras, load_profile
 from .sources import Source, read_image
 
 SAMPLES = 32
@@ -20,7 +21,7 @@ SAMPLES = 32
 class NeutralRule:
     """How the neutral is to be found."""
 
-    kind: Literal["auto", "first", "frame", "time", "image"]
+    kind: Literal["auto", "first", "frame", "time", "image", "profile"]
     value: str = ""
     sheet: Path | None = None
     """Where ``auto`` puts a contact sheet (PNG) of what it chose from: it shows the driver's face."""
@@ -42,8 +43,11 @@ def read_rule(text: str, sheet: Path | None = None) -> NeutralRule:
         return NeutralRule("time", value)
     if kind == "image" and value:
         return NeutralRule("image", value)
+    if kind == "profile" and value:
+        return NeutralRule("profile", value)
     raise UsageError(
-        f"--neutral {text}: not understood; use auto, first, frame=N (from 0), time=S (seconds) or image=PATH"
+        f"--neutral {text}: not understood; use auto, first, frame=N (from 0), time=S (seconds), image=PATH"
+        " or profile=NAME (a neutral taken in the live window, by its camera's name)"
     )
 
 
@@ -61,6 +65,8 @@ def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> Neu
             if face is None:
                 raise NoFaceError(f"{rule.value}: no face in this picture; give one that shows the face from the front")
             return neutral_of(face, 0, 0.0, f"the picture {rule.value}")
+        if rule.kind == "profile":
+            return _kept(rule.value)
         return _given(rule, source, tracker)
     finally:
         tracker.reset()
@@ -73,6 +79,17 @@ def said(choice: NeutralChoice, rule: NeutralRule) -> str:
     if rule.sheet is None:
         return f"{choice.reason} (--neutral-sheet FILE.png shows the best {len(choice.candidates)})"
     return f"{choice.reason} (the best {len(choice.candidates)}: {rule.sheet}, which shows the driver's face)"
+
+
+def _kept(camera: str) -> NeutralChoice:
+    """The neutral that was taken in the live window with this camera."""
+    profile = load_profile(camera)
+    if profile is None:
+        names = ", ".join(kept_cameras()) or "none yet: press N in `gemheads live`"
+        raise InputError(f"--neutral profile={camera}: no neutral was taken with this camera (there are: {names})")
+    if profile.choice is None:
+        raise InputError(f"--neutral profile={camera}: {profile.warning}")
+    return replace(profile.choice, reason=f"{camera}, {profile.choice.reason} {profile.warning}".strip())
 
 
 def _chosen(source: Source, tracker: FaceTracker, sheet: Path | None) -> NeutralChoice:

@@ -71,6 +71,18 @@ def save_profile(camera: str, resting: Resting, today: date, folder: Path | None
     return path
 
 
+def kept_cameras(folder: Path | None = None) -> list[str]:
+    """The cameras with a neutral that can be read, by name."""
+    names = []
+    for path in sorted((folder or user_folder().parent / "neutrals").glob("*.safetensors")):
+        try:
+            with safe_open(path, framework="numpy") as file:
+                names.append((file.metadata() or {}).get("camera", ""))
+        except (OSError, SafetensorError):
+            continue  # told in full when it is asked for
+    return sorted(name for name in names if name)
+
+
 def load_profile(camera: str, folder: Path | None = None) -> Profile | None:
     """The neutral kept for this camera; None without one. Raises InputError for a file that is no such thing."""
     path = profile_path(camera, folder)

@@ -34,7 +34,8 @@ def reenact(
         avatar: Name of an avatar (`gemheads info` lists them) or a .gem file.
         components: How many components a modality to draw with; fewer is faster and coarser. Default: all.
         size: Width x height of the avatar's picture in pixels, both even.
-        neutral: The driver's face at rest: auto, first, frame=N, time=S or image=PATH.
+        neutral: The driver's face at rest: auto, first, frame=N, time=S, image=PATH, or profile=NAME (taken live with
+            that camera).
         neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face. With several
             drivers a folder.
         side_by_side: Put the driver's picture beside the avatar's.
@@ -107,7 +108,8 @@ def track(
         driver: A video, a folder of pictures, or numbered pictures.
         out: The track to write (safetensors).
         avatar: Name of an avatar or a .gem file; the track belongs to it.
-        neutral: The driver's face at rest: auto, first, frame=N, time=S or image=PATH.
+        neutral: The driver's face at rest: auto, first, frame=N, time=S, image=PATH, or profile=NAME (taken live with
+            that camera).
         neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face.
         with_driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
         rate: Frames per second of pictures.

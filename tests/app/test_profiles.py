@@ -1,13 +1,17 @@
 import os
 from datetime import date
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 from gemheads.app import profiles
 from gemheads.app.errors import InputError, OutputError
-from gemheads.app.profiles import load_profile, profile_path, save_profile
+from gemheads.app.neutrals import find_neutral, read_rule
+from gemheads.app.profiles import kept_cameras, load_profile, profile_path, save_profile
 from gemheads.app.restface import Resting
+from gemheads.app.sources import Source
+from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.neutral import NeutralChoice
 from safetensors.numpy import save_file
@@ -93,3 +97,28 @@ def test_a_neutral_that_cannot_be_kept_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="it counts until you quit"):
         save_profile(CAMERA, resting(), TODAY, tmp_path / "file")
+
+
+def test_the_kept_cameras_are_those_whose_file_can_be_read(tmp_path: Path) -> None:
+    assert kept_cameras(tmp_path / "none") == []
+    for camera in ("Zoom", CAMERA):
+        save_profile(camera, resting(), TODAY, tmp_path)
+    (tmp_path / "broken.safetensors").write_bytes(b"{")
+    assert kept_cameras(tmp_path) == [CAMERA, "Zoom"]
+
+
+def test_a_video_takes_the_neutral_of_a_camera(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(profiles, "user_folder", lambda: tmp_path / "avatars")
+    taken = resting()
+    source, tracker = cast(Source, None), FaceTracker()
+    with pytest.raises(InputError, match="press N in `gemheads live`"):
+        find_neutral(read_rule(f"profile={CAMERA}"), source, tracker)
+    save_profile(CAMERA, taken, TODAY)
+    choice = find_neutral(read_rule(f"profile={CAMERA}"), source, tracker)
+    assert (choice.features == taken.choice.features).all()
+    assert choice.reason == f"{CAMERA}, taken on 2026-03-04"
+    with pytest.raises(InputError, match=r"there are: Integrated Camera"):
+        find_neutral(read_rule("profile=Other"), source, tracker)
+    monkeypatch.setattr(profiles, "FEATURE_VERSION", -1)
+    with pytest.raises(InputError, match="another version"):
+        find_neutral(read_rule(f"profile={CAMERA}"), source, tracker)

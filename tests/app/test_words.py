@@ -44,10 +44,11 @@ def test_neutral_rules() -> None:
     assert read_rule("frame=12") == NeutralRule("frame", "12")
     assert read_rule("time=1.5") == NeutralRule("time", "1.5")
     assert read_rule("image=a=b.png") == NeutralRule("image", "a=b.png")
+    assert read_rule("profile=HD Camera: 720p") == NeutralRule("profile", "HD Camera: 720p")
 
 
 @pytest.mark.parametrize(
-    "text", ["", "autos", "auto=1", "frame", "frame=-1", "frame=1.5", "time=nan", "time=-1", "image="]
+    "text", ["", "autos", "auto=1", "frame", "frame=-1", "frame=1.5", "time=nan", "time=-1", "image=", "profile="]
 )
 def test_what_is_no_neutral_rule_is_told(text: str) -> None:
     with pytest.raises(UsageError, match="use auto, first, frame=N"):
