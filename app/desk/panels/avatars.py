@@ -43,6 +43,8 @@ def components(view: DeskView, ask: Ask) -> None:
     decibels = curve.decibels_at(state.used_components) if curve is not None else float("nan")
     whole = state.used_components == state.limits.components
     error = "exact" if whole else (f"{decibels:.1f} dB" if decibels == decibels else "... dB")
+    if view.readings.lowered:
+        error = "lowered"  # what is drawn is less than what was chosen
     faint(f"{view.avatar.megabytes:.1f} MB")
     at_right(error)
     imgui.same_line()
