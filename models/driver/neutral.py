@@ -26,6 +26,7 @@ _WORDS = {
     "turned": "the head is turned",
     "open_mouth": "the mouth is open",
     "closed_eyes": "the eyes are not fully open",
+    "looking_aside": "the eyes look elsewhere than in most of the clip",
     "expression": "the face has an expression",
     "unusual": "the face is not as in most of the clip",
     "blurred": "the picture is blurred",
@@ -43,7 +44,8 @@ class Candidate:
     cost: float
     """Sum of the penalties; 0 is a perfect neutral, above 1 something is wrong."""
     penalties: dict[str, float]
-    """Penalty by its name (turned, open_mouth, closed_eyes, expression, unusual, blurred), each >= 0."""
+    """Penalty by its name (turned, open_mouth, closed_eyes, looking_aside, expression,
+    unusual, blurred), each >= 0."""
 
     @property
     def flaws(self) -> tuple[str, ...]:
@@ -132,10 +134,13 @@ def _penalties(
     spread = np.median(np.abs(measures - np.median(measures, axis=0)), axis=0) + 0.02
     unusual = (np.abs(measures - np.median(measures, axis=0)) / spread).mean(1)
     degrees = np.degrees(np.abs(rotations))
+    gaze = np.degrees(features[:, BLOCKS["gaze"]])
+    aside = np.abs(gaze - np.median(gaze, axis=0)).max(1)
     return {
         "turned": (np.maximum(degrees - 4, 0) * [1, 1, 0.7]).sum(1) / 15,
         "open_mouth": np.maximum(lip_gap - 0.15, 0) / 0.5,
         "closed_eyes": np.maximum(0.92 - lid_gap / max(open_lids, 1e-3), 0) / 0.3,
+        "looking_aside": np.maximum(aside - 6, 0) / 50,
         "expression": np.maximum(expressions - np.quantile(expressions, 0.1, axis=0), 0).sum(1) / 1.5,
         "unusual": np.maximum(unusual - 1, 0) / 10,
         "blurred": np.maximum(np.log(np.quantile(sharpness, 0.7) + 1e-9) - np.log(sharpness + 1e-9) - 0.2, 0),

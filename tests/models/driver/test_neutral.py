@@ -36,11 +36,16 @@ def blinking(face: FaceObservation) -> FaceObservation:
     return replace(face, metric_mesh=mesh)
 
 
+def looking_aside(face: FaceObservation) -> FaceObservation:
+    return replace(face, metric_irises=face.metric_irises + np.array([0.35, 0, 0]))  # 17 degrees
+
+
 SPOILED = {
     "turned": lambda face: turned(face, 25),
     "expression": lambda face: scoring(face, "mouthSmileLeft", 0.9),
     "open_mouth": open_mouthed,
     "closed_eyes": blinking,
+    "looking_aside": looking_aside,
     "blurred": lambda face: replace(face, sharpness=0.002),
 }
 
