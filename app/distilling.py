@@ -49,18 +49,10 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
         for key in ORIGIN[1:]:
             if key not in about:
                 bar.say(f"{out}: will say '{key}: not stated'; give --{key} TEXT ({_WHY[key]})")
-        stages: list[str] = []
-
-        def tell(stage: str, done: int, total: int) -> None:
-            if stage not in stages:
-                stages.append(stage)
-                bar.begin(stage, total)
-            bar.reach(done)
-
         try:
             source = open_source(place, wanted)
             about["source"] = f"{source.kind} {Path(place).name}, {source.count} frames"
-            gem, distilled = adopt(source, wanted.name or out.stem, wanted.components, about, tell)
+            gem, distilled = adopt(source, wanted.name or out.stem, wanted.components, about, bar.reach)
         except TooLargeError as error:
             raise UsageError(f"{place}: {error}") from error
         except ForeignFormatError as error:

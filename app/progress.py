@@ -22,6 +22,7 @@ class ProgressBar:
             transient=True,
         )
         self._task = self._bar.add_task("", total=None, rate="", visible=False)
+        self._stage = ""
 
     def __enter__(self) -> "ProgressBar":
         self._bar.start()
@@ -41,8 +42,11 @@ class ProgressBar:
         speed = self._bar.tasks[self._task].speed
         self._bar.update(self._task, advance=1, rate=f"{speed:.0f} frames/s" if speed else "")
 
-    def reach(self, done: int) -> None:
-        """So many are done."""
+    def reach(self, stage: str, done: int, total: int) -> None:
+        """So many of a stage are done; another stage begins the bar anew."""
+        if stage != self._stage:
+            self._stage = stage
+            self.begin(stage, total)
         self._bar.update(self._task, completed=done)
 
     def say(self, text: str) -> None:

@@ -18,16 +18,15 @@ def run_training(
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
     with ProgressBar() as bar:
-        stages: list[str] = []
-
-        def tell(stage: str, done: int, total: int) -> None:
-            if stage not in stages:
-                stages.append(stage)
-                bar.begin(stage, total)
-            bar.reach(done)
-
         report = train_regressor(
-            avatar, out, companions=companions, videos=videos, pictures=pictures, steps=steps, seed=seed, progress=tell
+            avatar,
+            out,
+            companions=companions,
+            videos=videos,
+            pictures=pictures,
+            steps=steps,
+            seed=seed,
+            progress=bar.reach,
         )
     print(
         f"{out or avatar}: regressor trained on {report.pictures} pictures; the avatar's response is known to"

@@ -41,6 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
             path.parent.mkdir(parents=True, exist_ok=True)
             save_gem(make_gem(make_subject(person, ingredients)), path)
             print(f"{path}: {path.stat().st_size / 1e6:.2f} MB in {time.monotonic() - start:.0f} s")
+            print(f"{path}: nothing drives it yet; next: gemheads train-regressor {path}")
     if CLIP in wanted:
         from .democlip import write_clip
 

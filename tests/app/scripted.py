@@ -11,6 +11,7 @@ from gemheads.app.frames import Frame
 from gemheads.app.inputs.source import Delivery, Kind, SourceLost, Transport
 from gemheads.app.loop import Loop
 from gemheads.app.shots import Shot
+from gemheads.models import arkit
 from gemheads.models.driver.detector import Detection
 from gemheads.models.driver.face import Box, FaceObservation
 from gemheads.models.driver.region import Region
@@ -153,3 +154,25 @@ class World:
 
 def unplugged() -> SourceLost:
     return SourceLost("The camera went away.", "Plug it in again.", True)
+
+
+def followed() -> World:
+    """A camera and a person who has been there for three seconds: the neutral is known."""
+    world = World()
+    world.play(3.0)
+    assert world.phase == "tracking"
+    assert world.loop.health.settled
+    return world
+
+
+def opened(world: World, secs: float = 1.0) -> list[Shot]:
+    """The person opens the mouth."""
+    world.person.face = face(jaw=0.5)
+    return world.play(secs)
+
+
+def jaw(shots: list[Shot]) -> np.ndarray:
+    """How far the mouth is open, about 0 to 1.15, by the avatar's own map of the ARKit shapes."""
+    assert GEM.arkit_weights is not None
+    opened = GEM.arkit_weights[arkit.NAMES.index("jawOpen")].astype(float)
+    return np.array([(shot.pose.coefficients - GEM.rest_coefficients) @ opened / (opened @ opened) for shot in shots])
