@@ -175,10 +175,11 @@ class Acting:
             self._memory,
             expression=Smoothed(sigmas, still[1]),
             turn=Smoothed(pose.turn, still[0]),
+            translation=pose.translation,
             clamped=pose.clamped,
         )
         if not self._tuning.head_pose:
-            pose = replace(pose, turn=NO_SHIFT)
+            pose = replace(pose, turn=NO_SHIFT, translation=NO_SHIFT)
         return self._shot(pose, started, given.seconds, stages={"express": self._clock() - started})
 
     def tick(self) -> Shot:

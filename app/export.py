@@ -12,6 +12,7 @@ from ..models.ply import save_ply
 from ..models.posing import pose_head
 from .casting import check_components, open_avatar
 from .errors import InputError, OutputError, UsageError
+from .performance import Pose
 from .tracks import load_track
 
 
@@ -25,7 +26,7 @@ def export_expression(avatar: Path, out: Path, weights: list[str], components: i
         if gem.arkit_weights is None:
             raise InputError(f"{avatar}: knows no ARKit shapes, so --set cannot be used; export a track instead")
         coefficients = gem.clamped(gem.arkit_coefficients(read_weights(weights)))
-    _write(gem, [(out, coefficients, np.zeros(3, np.float32))], components)
+    _write(gem, [(out, Pose(coefficients, np.zeros(3, np.float32)))], components)
 
 
 def export_track(avatar: Path, track: Path, out: Path, components: int | None = None) -> None:
@@ -35,7 +36,7 @@ def export_track(avatar: Path, track: Path, out: Path, components: int | None = 
     poses = load_track(track).poses
     if poses[0].coefficients.shape != (opened.gem.coefficient_count,):
         raise InputError(f"{track}: was made for another avatar than {avatar}; give the one it names")
-    shots = ((out / f"frame_{i:06d}.ply", pose.coefficients, pose.turn) for i, pose in enumerate(poses))
+    shots = ((out / f"frame_{i:06d}.ply", pose) for i, pose in enumerate(poses))
     _write(opened.gem, shots, components)
 
 
@@ -56,12 +57,10 @@ def read_weights(words: list[str]) -> NDArray[np.float32]:
     return weights
 
 
-def _write(
-    gem: Gem, shots: Iterable[tuple[Path, NDArray[np.float32], NDArray[np.float32]]], components: int | None
-) -> None:
-    for path, coefficients, turn in shots:
-        splats = gem.compose(coefficients, components)
-        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, turn, np.zeros(3, np.float32))
+def _write(gem: Gem, shots: Iterable[tuple[Path, Pose]], components: int | None) -> None:
+    for path, pose in shots:
+        splats = gem.compose(pose.coefficients, components)
+        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, pose.translation)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             save_ply(splats, path)

@@ -36,7 +36,6 @@ LARGEST_SIDE = 512
 LEAST_SIDE = 16
 LOST_DB = 6.0
 """A frame that comes out so much worse than the one before is begun anew: a cut, most likely."""
-WORTH_TELLING_M = 0.003
 
 
 @dataclass(frozen=True)
@@ -59,8 +58,6 @@ class Fitted:
     pts: int
     pose: Pose
     psnr: float
-    move: float
-    """Metres from the place where a track keeps the head."""
     seconds: float
 
 
@@ -104,9 +101,6 @@ def _told(out: Path, frames: list[Fitted]) -> str:
     if len(frames) > 1:
         text += f" (least {quality.min():.1f} in frame {quality.argmin()})"
     text += f", {pace:.2f} s a frame"
-    away = max(fitted.move for fitted in frames)
-    if away > WORTH_TELLING_M:
-        text += f"; the head stands up to {1000 * away:.0f} mm from its place, which a track does not keep"
     return text
 
 
@@ -163,8 +157,8 @@ class _Fitter:
             drawn = np.round(255 * np.clip(found.pictures[0], 0, 1)).astype(np.uint8)
             self.worst = np.concatenate([rgb, drawn, error_map(found.pictures[0], rgb)], 1)
         share = limit_share(self._gem, found.coefficients)
-        pose = Pose(found.coefficients, found.pose.turn, clamped=share)
-        return Fitted(frame.pts, pose, found.psnr, float(np.linalg.norm(found.pose.move)), found.seconds)
+        pose = Pose(found.coefficients, found.pose.turn, clamped=share, translation=found.pose.move)
+        return Fitted(frame.pts, pose, found.psnr, found.seconds)
 
     def _brought_down(self, frame: Frame) -> NDArray[np.uint8]:
         height, width = frame.rgb.shape[:2]

@@ -86,6 +86,8 @@ class Memory:
     """Coefficients away from the rest expression, in units of sigma."""
     turn: Smoothed | None = None
     """Rotation of the head from its neutral."""
+    translation: Floats = field(default_factory=lambda: np.zeros(3, np.float32))
+    """[3] metres the head stands from its place: only tracks say so."""
     clamped: float = 0.0
     faces: int = 0
     counted_at: float = -FACES_EVERY_SECS
@@ -136,6 +138,7 @@ def take_on(actor: Actor, memory: Memory, coefficients: Floats, turn: Floats, dt
         memory,
         expression=step(actor.expression_filter, memory.expression, sigmas, dt),
         turn=step(actor.turn_filter, memory.turn, turn * actor.turn_gain, dt),
+        translation=np.zeros(3, np.float32),
         clamped=float((np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma).mean()),
     )
 

@@ -62,7 +62,7 @@ class Stage:
 
     @cached_property
     def posed(self) -> RawGaussians:
-        """The same with the head turned, overwritten by every frame."""
+        """The same with the head posed, overwritten by every frame."""
         return pose_head(self.splats, self.gem.neck_weights, self.gem.neck_pivot, NO_SHIFT, NO_SHIFT)
 
 
@@ -85,9 +85,11 @@ def act(actor: Actor, memory: Memory, seen: bool, cut: bool = False) -> tuple[Me
     gain, rest, idle_secs = attention.gain, 1 - attention.gain, now - memory.idle_since
     expression = rest * idle.lids_closed(idle_secs) * actor.lids
     turn = rest * idle.breath(idle_secs)
+    translation = NO_SHIFT
     if memory.expression is not None and memory.turn is not None:
         expression = expression + gain * turned_gain(memory.turn.value) * memory.expression.value * actor.gem.sigma
         turn = turn + gain * memory.turn.value
+        translation = gain * memory.translation
     return memory, Pose(
         coefficients=(actor.gem.rest_coefficients + expression).astype(np.float32),
         turn=turn.astype(np.float32) if actor.head_pose else NO_SHIFT,
@@ -95,6 +97,7 @@ def act(actor: Actor, memory: Memory, seen: bool, cut: bool = False) -> tuple[Me
         faces=memory.faces if seen else 0,
         clamped=memory.clamped if seen else 0.0,
         cut=cut,
+        translation=translation.astype(np.float32) if actor.head_pose else NO_SHIFT,
     )
 
 
@@ -108,11 +111,11 @@ def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator
 
 
 def draw(stage: Stage, pose: Pose) -> Image:
-    """One picture: compose, turn the head, splat; [H, W, 3] over the background, or [H, W, 4] with straight alpha."""
+    """One picture: compose, pose the head, splat; [H, W, 3] over the background, or [H, W, 4] with straight alpha."""
     gem, watch = stage.gem, stage.watch
     with watch("compose"):
         splats = gem.compose(pose.coefficients, stage.components, out=stage.splats)
-        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, NO_SHIFT, out=stage.posed)
+        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, pose.translation, out=stage.posed)
     with watch("draw"):
         rgba = stage.engine.draw(splats, stage.camera)
     with watch("over"):

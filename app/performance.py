@@ -1,6 +1,6 @@
 """What an avatar does, frame by frame, apart from who made it do so."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,3 +23,5 @@ class Pose:
     """Share of coefficients at their limit of 3 sigma, in [0, 1]."""
     cut: bool = False
     """Whether another scene begins here."""
+    translation: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))
+    """[3] metres the head is moved after it turned, as ``models.posing.pose_head`` takes it; drivers leave it 0."""

@@ -15,9 +15,16 @@ from .performance import Pose
 from .state import Phase
 
 FORMAT = "gemheads-track"
-VERSION = 1
+VERSION = 2
+"""Version 1 knows no ``translation``: there the head is where it rests."""
+MAX_TRANSLATION_M = 100.0
+"""A head farther from its place than this is a mistake in somebody's units."""
 MAX_BYTES = 2**30
-_TENSORS = ("pts", "coefficients", "turn", "phase", "faces", "clamped")
+_TENSORS = {
+    1: ("pts", "coefficients", "turn", "phase", "faces", "clamped"),
+    2: ("pts", "coefficients", "turn", "translation", "phase", "faces", "clamped"),
+}
+"""Version -> what is in it."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +58,7 @@ def save_track(track: Track, path: Path) -> None:
         "pts": track.pts,
         "coefficients": np.stack([pose.coefficients for pose in track.poses]),
         "turn": np.stack([pose.turn for pose in track.poses]),
+        "translation": np.stack([pose.translation for pose in track.poses]),
         "phase": np.array([pose.phase.value for pose in track.poses], np.uint8),
         "faces": np.array([pose.faces for pose in track.poses], np.uint8),
         "clamped": np.array([pose.clamped for pose in track.poses], np.float32),
@@ -89,20 +97,24 @@ def load_track(path: Path) -> Track:
 
 
 def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
-    if not isinstance(about, dict) or about.get("version") != VERSION:
-        raise ValueError(f"no {FORMAT} of version {VERSION}")
-    if set(tensors) != set(_TENSORS):
-        raise ValueError(f"tensors {sorted(tensors)}, expected {sorted(_TENSORS)}")
+    version = about.get("version") if isinstance(about, dict) else None
+    if not isinstance(about, dict) or not isinstance(version, int) or version not in _TENSORS:
+        raise ValueError(f"no {FORMAT} of version 1 to {VERSION}")
+    if set(tensors) != set(_TENSORS[version]):
+        raise ValueError(f"tensors {sorted(tensors)}, expected {sorted(_TENSORS[version])}")
     if tensors["pts"].ndim != 1 or tensors["coefficients"].ndim != 2:
         raise ValueError("pts must be [F] and coefficients [F, n]")
     frames, width = tensors["coefficients"].shape
-    shapes = {"pts": (), "coefficients": (width,), "turn": (3,), "phase": (), "faces": (), "clamped": ()}
+    shapes = {"coefficients": (width,), "turn": (3,), "translation": (3,)}
     kinds = {"pts": np.int64, "coefficients": np.float32, "turn": np.float32, "phase": np.uint8, "faces": np.uint8}
     for name, values in tensors.items():
-        if values.shape != (frames, *shapes[name]) or values.dtype != kinds.get(name, np.float32):
+        if values.shape != (frames, *shapes.get(name, ())) or values.dtype != kinds.get(name, np.float32):
             raise ValueError(f"tensor {name} is {values.dtype}{list(values.shape)}")
         if values.dtype == np.float32 and not np.isfinite(values).all():
             raise ValueError(f"tensor {name} has values that are not finite")
+    translation = np.asarray(tensors.get("translation", np.zeros((frames, 3))), np.float32)
+    if (np.abs(translation) > MAX_TRANSLATION_M).any():
+        raise ValueError(f"tensor translation moves the head by more than {MAX_TRANSLATION_M:g} m")
     pts = tensors["pts"].astype(np.int64)
     if frames == 0 or (np.diff(pts) <= 0).any():
         raise ValueError("no frames, or times that do not rise")
@@ -116,6 +128,7 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
             Phase(int(tensors["phase"][i])),
             int(tensors["faces"][i]),
             float(tensors["clamped"][i]),
+            translation=translation[i],
         )
         for i in range(frames)
     )

@@ -65,7 +65,8 @@ def is_sound(delivery: Delivery) -> bool:
             and bool(np.isfinite(delivery.weights).all() and np.isfinite(delivery.turn).all())
         )
     if isinstance(delivery, PoseFrame):
-        return bool(np.isfinite(delivery.pose.coefficients).all() and np.isfinite(delivery.pose.turn).all())
+        pose = delivery.pose
+        return all(np.isfinite(values).all() for values in (pose.coefficients, pose.turn, pose.translation))
     return False
 
 

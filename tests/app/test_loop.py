@@ -195,11 +195,13 @@ def test_serials_rise_and_a_sketch_holds_no_picture(world: World) -> None:
 def test_a_track_is_played_exactly_and_only_by_its_avatar() -> None:
     world = World(Source("track"))
     k = (GEM.rest_coefficients + GEM.sigma).astype(np.float32)
-    pose = Pose(k, np.float32([0, 0.1, 0]))
+    pose = Pose(k, np.float32([0, 0.1, 0]), translation=np.float32([0.01, 0, 0]))
     shots = world.play(0.5, lambda: PoseFrame(pose, "sha of 0", world.clock.now))
     assert shots[-1].pose.coefficients.tolist() == k.tolist()
+    assert shots[-1].pose.translation.tolist() == pose.translation.tolist()
     assert world.phase == "tracking"
     shots = world.play(1.0, lambda: PoseFrame(pose, "another", world.clock.now))
+    assert np.abs(shots[-1].pose.translation).max() < 1e-6
     assert "another avatar" in world.loop.health.message
     assert shots[-1].pose.phase is Phase.IDLE
 

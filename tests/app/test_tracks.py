@@ -12,6 +12,12 @@ from gemheads.app.tracks import FORMAT, Track, load_track, save_track
 from safetensors.numpy import save_file
 
 RNG = np.random.default_rng(1)
+
+
+def normal(count: int) -> np.ndarray:
+    return RNG.normal(size=count).astype(np.float32)
+
+
 TRACK = Track(
     avatar="tiny",
     avatar_sha256="ab" * 32,
@@ -19,7 +25,7 @@ TRACK = Track(
     rate=Fraction(30000, 1001),
     pts=np.array([7, 1008, 2009]),
     poses=tuple(
-        Pose(RNG.normal(size=5).astype(np.float32), RNG.normal(size=3).astype(np.float32), phase, 1, 0.25)
+        Pose(normal(5), normal(3), phase, 1, 0.25, translation=normal(3))
         for phase in (Phase.SEARCHING, Phase.TRACKING, Phase.HOLD)
     ),
 )
@@ -34,6 +40,7 @@ def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:
         assert pts == pts0
         assert np.array_equal(pose.coefficients, pose0.coefficients)
         assert np.array_equal(pose.turn, pose0.turn)
+        assert np.array_equal(pose.translation, pose0.translation)
         assert (pose.phase, pose.faces, pose.clamped) == (pose0.phase, pose0.faces, pose0.clamped)
 
 
@@ -42,16 +49,22 @@ def tensors() -> dict[str, np.ndarray]:
         "pts": TRACK.pts,
         "coefficients": np.zeros((3, 5), np.float32),
         "turn": np.zeros((3, 3), np.float32),
+        "translation": np.zeros((3, 3), np.float32),
         "phase": np.ones(3, np.uint8),
         "faces": np.ones(3, np.uint8),
         "clamped": np.zeros(3, np.float32),
     }
 
 
-ABOUT = {"version": 1, "avatar": "tiny", "avatar_sha256": "ab", "time_base": "1/30", "rate": "30"}
+ABOUT = {"version": 2, "avatar": "tiny", "avatar_sha256": "ab", "time_base": "1/30", "rate": "30"}
 
 HOSTILE = {
-    "other version": ({}, {"version": 2}),
+    "other version": ({}, {"version": 3}),
+    "no version": ({}, {"version": [2]}),
+    "version 1 with a translation": ({}, {"version": 1}),
+    "a head at infinity": ({"translation": np.full((3, 3), np.inf, np.float32)}, {}),
+    "a head too far away": ({"translation": np.float32([[0, 0, 0], [0, -101, 0], [0, 0, 0]])}, {}),
+    "a flat translation": ({"translation": np.zeros(3, np.float32)}, {}),
     "time base of zero": ({}, {"time_base": "0"}),
     "no number": ({}, {"rate": "fast"}),
     "division by zero": ({}, {"rate": "1/0"}),
@@ -75,6 +88,18 @@ def test_what_is_no_track_is_refused_with_the_reason(tmp_path: Path, name: str) 
     path = tmp_path / "t.safetensors"
     save_file({**tensors(), **changed}, path, {FORMAT: json.dumps({**ABOUT, **about})})
     with pytest.raises(InputError, match=r"t\.safetensors: not a track \(.+\); make one with"):
+        load_track(path)
+
+
+def test_what_is_whole_is_read_and_a_track_of_version_1_leaves_the_head_in_its_place(tmp_path: Path) -> None:
+    path, old = tmp_path / "t.safetensors", tensors()
+    save_file(old, path, {FORMAT: json.dumps(ABOUT)})
+    assert load_track(path).frame_count == 3
+    del old["translation"]
+    save_file(old, path, {FORMAT: json.dumps({**ABOUT, "version": 1})})
+    assert all(not pose.translation.any() for pose in load_track(path).poses)
+    save_file(old, path, {FORMAT: json.dumps(ABOUT)})
+    with pytest.raises(InputError, match=r"expected .*translation"):
         load_track(path)
 
 
