@@ -1,0 +1,69 @@
+"""Pictures of a capture: their size from the header alone, and their pixels."""
+
+import struct
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from .layout import CaptureError
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+_JPEG = b"\xff\xd8"
+_AGAIN = "export it again as PNG or JPEG"
+
+
+def picture_size(path: Path) -> tuple[int, int]:
+    """Width and height, from the first bytes of a PNG or JPEG. Raises CaptureError."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(26)
+            if head.startswith(_PNG) and len(head) == 26 and head[12:16] == b"IHDR":
+                width, height = struct.unpack(">II", head[16:24])
+                return width, height
+            if head.startswith(_JPEG):
+                file.seek(2)
+                while (mark := file.read(4))[:1] == b"\xff" and len(mark) == 4:
+                    kind, length = mark[1], struct.unpack(">H", mark[2:])[0]
+                    if 0xC0 <= kind <= 0xCF and kind not in (0xC4, 0xC8, 0xCC):  # a start of frame
+                        height, width = struct.unpack(">xHH", file.read(5))
+                        return width, height
+                    file.seek(length - 2, 1)
+    except FileNotFoundError:
+        raise CaptureError(path, "is missing", "copy it there, or take its frame out of the transforms file") from None
+    except (OSError, struct.error, ValueError) as error:
+        raise CaptureError(path, f"cannot be read ({error})", _AGAIN) from error
+    raise CaptureError(path, "is neither PNG nor JPEG", _AGAIN)
+
+
+def read_pixels(path: Path, width: int, height: int) -> NDArray[np.uint8]:
+    """RGB [H, W, 3] or RGBA [H, W, 4], sRGB. Raises CaptureError where it is broken or of another size."""
+    try:
+        packed = np.fromfile(path, np.uint8)
+    except OSError as error:
+        raise CaptureError(
+            path, f"cannot be read ({error.strerror})", "the capture changed while it was used"
+        ) from error
+    image = cv2.imdecode(packed, cv2.IMREAD_UNCHANGED) if len(packed) else None
+    if image is None or image.dtype != np.uint8:
+        raise CaptureError(path, "is broken, or not of 8 bits a channel", _AGAIN)
+    if image.shape[:2] != (height, width):
+        raise CaptureError(path, f"is {image.shape[1]}x{image.shape[0]}, not {width}x{height}", _AGAIN)
+    if image.ndim == 2:
+        image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+    swap = cv2.COLOR_BGRA2RGBA if image.shape[2] == 4 else cv2.COLOR_BGR2RGB
+    return np.asarray(cv2.cvtColor(image, swap), np.uint8)
+
+
+def read_mask(path: Path, width: int, height: int) -> NDArray[np.uint8]:
+    """How much of each pixel is the person, [H, W]. Raises CaptureError."""
+    pixels = read_pixels(path, width, height)
+    return pixels[..., 3] if pixels.shape[2] == 4 else pixels[..., 0]
+
+
+def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
+    """A PNG of RGB [H, W, 3], RGBA [H, W, 4] or one channel [H, W]."""
+    if pixels.ndim == 3:
+        pixels = np.ascontiguousarray(pixels[..., [2, 1, 0, 3][: pixels.shape[2]]])
+    return cv2.imencode(".png", pixels)[1].tobytes()
