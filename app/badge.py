@@ -12,7 +12,7 @@ LETTER_SHARE = 0.021
 SMALLEST_LETTER = 8
 """Pixels: less cannot be read after a video's compression."""
 WIDEST = 0.92
-"""Of the picture's width: a badge that would be wider has smaller letters, and below about 60 pixels none to be read."""
+"""Of the picture's width: where that is too little, letters are smaller; under 60 pixels none can be read."""
 PLATE, PLATE_OPACITY = (18, 20, 23), 0.62
 INK = (245, 246, 248)
 _OVERSAMPLED = 8
@@ -75,7 +75,7 @@ def _mark(height: int, width: int) -> tuple[NDArray[np.float32], NDArray[np.floa
     size = (min(width, wide // _OVERSAMPLED), min(height, high // _OVERSAMPLED))
     ink, plate = (cv2.resize(mask, size, interpolation=cv2.INTER_AREA) for mask in (ink, plate))
     inked = ink.astype(np.float32)[..., None] / 255
-    colour = np.float32(PLATE) * (1 - inked) + np.float32(INK) * inked
+    colour = np.array(PLATE, np.float32) * (1 - inked) + np.array(INK, np.float32) * inked
     opacity = np.maximum(plate.astype(np.float32) / 255 * np.float32(PLATE_OPACITY), inked[..., 0])
     return colour, opacity
 
