@@ -11,6 +11,7 @@ from ..models.gemfile import GemFormatError, save_gem
 from ..models.heads.performance import perform
 from ..models.importers.adopt import TooLargeError, adopt
 from ..models.importers.foreign import ForeignFormatError
+from ..models.importers.gaussianavatars import SPLATS, is_bound, open_bound
 from ..models.importers.lam import MESH, load_lam
 from ..models.importers.plysequence import MAX_FRAMES, open_sequence
 from ..models.importers.source import Source
@@ -35,7 +36,9 @@ class Wanted:
     seed: int = 0
     """Of the performance."""
     scale: float = 1.0
-    """Metres of one unit of a PLY sequence."""
+    """Metres of one unit of PLY files."""
+    meshes: Path | None = None
+    """Where the mesh of a GaussianAvatars PLY is frame by frame; None looks beside it."""
     about: Mapping[str, str] = field(default_factory=dict)
     """author, licence, consent; empty texts are not stated."""
 
@@ -75,7 +78,8 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
 
 
 def open_source(place: str, wanted: Wanted) -> Source:
-    """The importer that fits: a folder with ``skin.glb`` (or one folder that has it) is a LAM avatar, all else PLY.
+    """The importer that fits: a folder with ``skin.glb`` (or one folder that has it) is a LAM avatar, a PLY whose
+    splats are bound to triangles one of GaussianAvatars, all else a sequence of PLY files.
 
     Raises UsageError and ForeignFormatError.
     """
@@ -92,6 +96,9 @@ def open_source(place: str, wanted: Wanted) -> Source:
         raise UsageError(f"{place}: holds {len(lams)} avatars; give one, such as {lams[0]}")
     if path.suffix in (".zip", ".glb", ".gem"):
         raise UsageError(f"{place}: give a folder with {MESH} and offset.ply (unpack a .zip first), or PLY files")
+    splats = path / SPLATS if path.is_dir() else path
+    if wanted.meshes is not None or (splats.suffix == ".ply" and splats.is_file() and is_bound(splats)):
+        return open_bound(splats, wanted.meshes, wanted.scale)
     return open_sequence(path, wanted.scale)
 
 

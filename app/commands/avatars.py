@@ -89,12 +89,14 @@ def distill(
     consent: str = "",
     frames: int = 600,
     scale: float = 1.0,
+    meshes: Path | None = None,
     seed: int = 0,
 ) -> int:
-    """Make an avatar of somebody else's: a LAM avatar, or numbered PLY files of splats.
+    """Make an avatar of somebody else's: a LAM avatar, one of GaussianAvatars, or numbered PLY files of splats.
 
     Args:
-        source: A folder with skin.glb and offset.ply (LAM); or a PLY file, a folder of them, or a quoted pattern.
+        source: A folder with skin.glb and offset.ply (LAM); point_cloud.ply of GaussianAvatars, or its folder; or a PLY
+            file, a folder of them, or a quoted pattern.
         out: The .gem to write.
         components: How many components to keep of each modality.
         name: What people call it. Default: the name of the file.
@@ -103,12 +105,13 @@ def distill(
         consent: Whose likeness it is, and what they agreed to.
         frames: How many expressions a LAM avatar performs for it.
         scale: Metres of one unit of the PLY files (y up, the face looks along +z).
+        meshes: The mesh of a GaussianAvatars PLY frame by frame: a folder of .npz or .obj. Default: meshes beside it.
         seed: Of the performance; the same seed and source give the same file.
     """
     from ..distilling import Wanted, run_distilling
 
     about = {"author": author, "licence": licence, "consent": consent}
-    return run_distilling(source, Path(out), Wanted(name, components, frames, seed, scale, about))
+    return run_distilling(source, Path(out), Wanted(name, components, frames, seed, scale, meshes, about))
 
 
 def fit(

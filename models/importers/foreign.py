@@ -1,5 +1,6 @@
 """What can be wrong with somebody else's avatar, as one kind of error; and how much of it is read at most."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,3 +29,9 @@ def opened(path: Path, cure: str) -> Iterator[tuple[BinaryIO, int]]:
             yield file, size
     except OSError as error:
         raise ForeignFormatError(path, f"cannot be read ({error.strerror})", cure) from error
+
+
+def by_number(path: Path) -> tuple[int, str]:
+    """A key for sorting: frames go by the last number in their name, so that 10 comes after 9."""
+    numbers = re.findall(r"\d+", path.stem)
+    return (int(numbers[-1][-18:]) if numbers else -1, path.name)

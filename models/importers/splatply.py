@@ -56,6 +56,12 @@ def read_splats(path: Path, plain_colours: bool = False) -> RawGaussians:
     return RawGaussians(*(np.ascontiguousarray(part, np.float32) for part in parts))
 
 
+def column_of(path: Path, name: str) -> NDArray[np.float32] | None:
+    """[N] one more property of a file that ``read_splats`` reads; None where it has no such. Raises as that does."""
+    table, names = _table(path)
+    return table[:, names.index(name)].copy() if name in names else None
+
+
 def depends_on_view(path: Path) -> bool:
     """Whether a file that ``read_splats`` reads has colours of a higher degree, which are left out."""
     table, names = _table(path)
