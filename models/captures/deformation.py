@@ -56,8 +56,10 @@ class RestMesh:
         return np.linalg.inv(np.where(self._weights[:, None, None] > 0, framed, np.eye(3)))
 
     @cached_property
-    def _shares(self) -> NDArray[np.float64]:
-        return np.bincount(self.triangles.ravel(), np.repeat(self._weights, 3), len(self.vertices))
+    def _shares(self) -> Floats:
+        return np.asarray(
+            np.bincount(self.triangles.ravel(), np.repeat(self._weights, 3), len(self.vertices)), np.float64
+        )
 
 
 def guarded(gradients: Floats, frames: Floats) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

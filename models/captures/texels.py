@@ -153,7 +153,7 @@ class Texels:
         return np.asarray(self.template.triangles, np.int64)[self.triangle]
 
     @cached_property
-    def _wxyz(self) -> NDArray[np.float64]:
+    def _wxyz(self) -> Floats:
         return wxyz_from_matrix(self.frames)
 
     @cached_property
@@ -202,7 +202,7 @@ def texels_of(template: Mesh, size: int) -> Texels:
     return Texels(template, size, triangle, barycentric, index, np.asarray(template.parts, np.int64)[triangle])
 
 
-def _across(normals: Floats) -> NDArray[np.float64]:
+def _across(normals: Floats) -> Floats:
     """[N, 3, 3] any frames with these normals [N, 3] as their third columns."""
     helper = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 1.0, 0]])
     first = np.cross(helper, normals)
