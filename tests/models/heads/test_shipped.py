@@ -10,7 +10,8 @@ from gemheads.models.driver.points import SCORES
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
-from gemheads.models.heads.ingredients import default_cache, find_ingredients
+from gemheads.models.heads.ingredients import find_ingredients
+from gemheads.models.registry import default_cache
 from gemheads.render.camera import orbit
 from gemheads.render.software import SoftwareEngine
 
