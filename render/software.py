@@ -10,14 +10,16 @@ from numpy.typing import NDArray
 from .camera import Camera
 from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
-from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, TRANSMITTANCE_MIN, VIEW_MARGIN
+from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
 from .sorting import front_to_back
-from .tiles import TILE, count_pairs, fill_pairs, power_of_two, tile_of
+from .tiles import TILE, count_pairs, fill_pairs, lit_rows, power_of_two, reached_rows, tile_of, write_reach
 
 _F = np.float32
 _LOG2_E = _F(1.4426950408889634)
-_STOP_EVERY = 32
-"""After so many splats a tile asks whether light still gets through."""
+_RUN = 16
+"""So many splats are drawn before a tile asks again through which of its rows light still gets."""
+_RECORD = 10
+"""Numbers that are kept of a projected splat."""
 
 
 class SoftwareEngine:
@@ -30,7 +32,7 @@ class SoftwareEngine:
         self.description = f"numba tiles on {numba.get_num_threads()} threads" + (f" ({reason})" if reason else "")
         self.timings: dict[str, float] = {}
         """Stage -> seconds of the last frame: project, sort, draw."""
-        self._records = np.empty((0, 8), np.float32)
+        self._records = np.empty((0, _RECORD), np.float32)
         self._spans = np.empty((0, 4), np.int32)
         self._depths = np.empty(0)
         self._orders = np.empty((2, 0), np.int32)
@@ -94,7 +96,7 @@ class SoftwareEngine:
 
     def _fit(self, splats: int, camera: Camera) -> None:
         if len(self._depths) != splats:
-            self._records = np.empty((splats, 8), np.float32)
+            self._records = np.empty((splats, _RECORD), np.float32)
             self._spans = np.empty((splats, 4), np.int32)
             self._depths = np.empty(splats)
             self._orders = np.empty((2, splats), np.int32)
@@ -109,7 +111,7 @@ def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
 def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
     """Activation and EWA projection. A record: centre x y, conic a b c in units of log2,
-    opacity, half box x y. A span: first and last column and row of tiles. Depth 0 is out."""
+    opacity, and what ``reached_rows`` needs. A span: first and last column and row of tiles. Depth 0 is out."""
     fx, fy, cx, cy, width, height = lens[0], lens[1], lens[2], lens[3], lens[4], lens[5]
     for i in numba.prange(len(positions)):
         depths[i] = 0
@@ -184,7 +186,8 @@ def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, sp
         r = records[i]
         r[0], r[1] = centre_x, centre_y
         r[2], r[3], r[4] = -_F(0.5) * _LOG2_E * c / det, _LOG2_E * b / det, -_F(0.5) * _LOG2_E * a / det
-        r[5], r[6], r[7] = opacity, half_x, half_y
+        r[5] = opacity
+        write_reach(reach, a, b, c, det, r[6:])
         spans[i, 0] = int(max(centre_x - half_x, _F(0)) / TILE)
         spans[i, 1] = int(min(centre_x + half_x, width - 1) / TILE)
         spans[i, 2] = int(max(centre_y - half_y, _F(0)) / TILE)
@@ -202,41 +205,43 @@ def _rasterise(pairs, ends, records, colors, columns, rows, image):
         # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
         state = np.zeros((TILE, 4 * TILE), np.float32)
         state[:, :TILE] = 1
-        start = ends[tile]
-        for p in range(start, ends[tile + 1]):
-            if (p - start) % _STOP_EVERY == _STOP_EVERY - 1:
-                brightest = _F(0)
-                for y in range(TILE):
+        first, last = 0, TILE - 1
+        reached = np.empty((_RUN, 2), np.int32)
+        for begin in range(ends[tile], ends[tile + 1], _RUN):
+            first, last = lit_rows(state, first, last)
+            if first > last:
+                break
+            count = min(_RUN, ends[tile + 1] - begin)
+            # for a run at once: the rows of the next splat are known before they are needed
+            for k in range(count):
+                i = pairs[begin + k]
+                dx0, dy0 = _F(x0) + _F(0.5) - records[i, 0], _F(y0) + _F(0.5) - records[i, 1]
+                top, bottom = reached_rows(dx0, dy0, records[i, 6:])
+                reached[k, 0], reached[k, 1] = max(top, first), min(bottom, last)
+            for k in range(count):
+                i = pairs[begin + k]
+                cx, cy, a, b, c, opacity = (
+                    records[i, 0],
+                    records[i, 1],
+                    records[i, 2],
+                    records[i, 3],
+                    records[i, 4],
+                    records[i, 5],
+                )
+                dx0 = _F(x0) + _F(0.5) - cx
+                r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
+                for y in range(reached[k, 0], reached[k, 1] + 1):
+                    dy = _F(y0 + y) + _F(0.5) - cy
+                    e0, e1 = c * dy * dy, b * dy
                     for x in range(TILE):
-                        brightest = max(brightest, state[y, x])
-                if brightest < TRANSMITTANCE_MIN:
-                    break
-            i = pairs[p]
-            cx, cy, a, b, c, opacity = (
-                records[i, 0],
-                records[i, 1],
-                records[i, 2],
-                records[i, 3],
-                records[i, 4],
-                records[i, 5],
-            )
-            half = records[i, 7]
-            top = max(0, int(np.ceil(cy - half - y0 - _F(0.5))))
-            bottom = min(TILE - 1, int(np.floor(cy + half - y0 - _F(0.5))))
-            r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
-            dx0 = _F(x0) + _F(0.5) - cx
-            for y in range(top, bottom + 1):
-                dy = _F(y0 + y) + _F(0.5) - cy
-                e0, e1 = c * dy * dy, b * dy
-                for x in range(TILE):
-                    dx = dx0 + _F(x)
-                    alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
-                    alpha = alpha if alpha >= ALPHA_MIN else _F(0)
-                    weight = alpha * state[y, x]
-                    state[y, x] -= weight
-                    state[y, TILE + x] += weight * r
-                    state[y, 2 * TILE + x] += weight * g
-                    state[y, 3 * TILE + x] += weight * bl
+                        dx = dx0 + _F(x)
+                        alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
+                        alpha = alpha if alpha >= ALPHA_MIN else _F(0)
+                        weight = alpha * state[y, x]
+                        state[y, x] -= weight
+                        state[y, TILE + x] += weight * r
+                        state[y, 2 * TILE + x] += weight * g
+                        state[y, 3 * TILE + x] += weight * bl
         for y in range(min(TILE, height - y0)):
             for x in range(min(TILE, width - x0)):
                 image[y0 + y, x0 + x, 0] = state[y, TILE + x]

@@ -3,11 +3,15 @@
 import numba
 import numpy as np
 
+from .projection import TRANSMITTANCE_MIN
+
 TILE = 16
 """Side of a tile in pixels; tiles of 8 take 2.5 to 4 times as long."""
 POWER_LEAST = np.float32(-8)
 """2^-8 < ALPHA_MIN: whatever is weaker is skipped anyway."""
 _STRIDE = 7919
+_MARGIN = np.float32(0.01)
+"""Pixels that rounding may take off the edge of a splat."""
 _F = np.float32
 
 
@@ -43,6 +47,60 @@ def tile_of(turn, tiles):
     """The tile drawn in this turn. Threads take runs of turns: strides of a prime spread the busy middle of the picture
     over all of them."""
     return (np.int64(turn) * _STRIDE) % tiles if tiles % _STRIDE else np.int64(turn)
+
+
+@numba.njit(cache=True, inline="always")
+def reached_rows(dx0, dy0, reach):
+    """First and last row of a tile that a splat reaches within the tile's columns; first > last where it misses them.
+
+    At a distance d beside its centre, the ellipse at ALPHA_MIN spans d * slope +- height * sqrt(1 - (d / half)^2).
+    Its lowest point is at d = lowest; a tile without that column reaches lowest in the nearest column it has.
+
+    Args:
+        dx0: from the splat's centre to the centre of the tile's first pixel, to the right ...
+        dy0: ... and down.
+        reach: [4] half the width, slope, height, lowest of ``reach_of``; pixels.
+    """
+    half, slope, height, lowest = reach[0], reach[1], reach[2], reach[3]
+    right = dx0 + _F(TILE - 1)
+    if dx0 > half + _MARGIN or right < -half - _MARGIN:
+        return TILE, -1
+    low, high = min(max(lowest, dx0), right), min(max(-lowest, dx0), right)
+    share_low, share_high = low / half, high / half
+    bottom = low * slope + height * np.sqrt(max(_F(0), _F(1) - share_low * share_low))
+    top = high * slope - height * np.sqrt(max(_F(0), _F(1) - share_high * share_high))
+    # compared as floats first: a splat may lie further away than an integer can say
+    first, last = np.ceil(top - dy0 - _MARGIN), np.floor(bottom - dy0 + _MARGIN)
+    return int(min(max(first, _F(0)), _F(TILE))), int(max(min(last, _F(TILE - 1)), _F(-1)))
+
+
+@numba.njit(cache=True, inline="always")
+def write_reach(sigmas, a, b, c, determinant, reach):
+    """Write what ``reached_rows`` needs into ``reach`` [4].
+
+    Args:
+        sigmas: how far the splat reaches, in standard deviations.
+        a, b, c: its covariance in pixels [[a, b], [b, c]] ...
+        determinant: ... and that one's determinant.
+    """
+    reach[0], reach[1] = sigmas * np.sqrt(a), b / a
+    reach[2], reach[3] = sigmas * np.sqrt(determinant / a), sigmas * b / np.sqrt(c)
+
+
+@numba.njit(cache=True, inline="always")
+def lit_rows(state, first, last):
+    """First and last row from ``first`` to ``last`` of a tile through which light still gets; first > last: none.
+
+    ``state`` float32 [TILE, TILE or more]: the light that is left comes first.
+    """
+    low, high = TILE, -1
+    for y in range(first, last + 1):
+        brightest = _F(0)
+        for x in range(TILE):
+            brightest = max(brightest, state[y, x])
+        if brightest >= TRANSMITTANCE_MIN:
+            low, high = min(low, y), y
+    return low, high
 
 
 @numba.njit(cache=True, inline="always")

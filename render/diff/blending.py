@@ -4,12 +4,12 @@ import numba
 import numpy as np
 
 from ..projection import ALPHA_MAX, ALPHA_MIN, TRANSMITTANCE_MIN
-from ..tiles import TILE, power_of_two, tile_of
+from ..tiles import TILE, lit_rows, power_of_two, reached_rows, tile_of
 
 _F = np.float32
 _FAST = {"contract", "reassoc", "arcp", "nsz"}
-_STOP_EVERY = 32
-"""After so many splats a tile asks whether light still gets through."""
+_RUN = 16
+"""So many splats are drawn before a tile asks again through which of its rows light still gets."""
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_FAST, error_model="numpy")
@@ -26,33 +26,39 @@ def blend(pairs, ends, centers, shapes, colors, columns, rows, image, lights):
         state[:, :TILE] = 1
         state[:, TILE : 2 * TILE] = -1
         start = ends[tile]
-        for p in range(start, ends[tile + 1]):
-            if (p - start) % _STOP_EVERY == _STOP_EVERY - 1:
-                brightest = _F(0)
-                for y in range(TILE):
+        first, last = 0, TILE - 1
+        reached = np.empty((_RUN, 2), np.int32)
+        for begin in range(start, ends[tile + 1], _RUN):
+            first, last = lit_rows(state, first, last)
+            if first > last:
+                break
+            count = min(_RUN, ends[tile + 1] - begin)
+            # for a run at once: the rows of the next splat are known before they are needed
+            for k in range(count):
+                i = pairs[begin + k]
+                cx, cy = _F(centers[i, 0] - x0 - 0.5), _F(centers[i, 1] - y0 - 0.5)
+                top, bottom = reached_rows(-cx, -cy, shapes[i, 4:])
+                reached[k, 0], reached[k, 1] = max(top, first), min(bottom, last)
+            for k in range(count):
+                i = pairs[begin + k]
+                place = _F(begin + k - start)
+                cx, cy = _F(centers[i, 0] - x0 - 0.5), _F(centers[i, 1] - y0 - 0.5)
+                a, b, c, opacity = shapes[i, 0], shapes[i, 1], shapes[i, 2], shapes[i, 3]
+                r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
+                for y in range(reached[k, 0], reached[k, 1] + 1):
+                    dy = _F(y) - cy
+                    e0, e1 = c * dy * dy, b * dy
                     for x in range(TILE):
-                        brightest = max(brightest, state[y, x])
-                if brightest < TRANSMITTANCE_MIN:
-                    break
-            i = pairs[p]
-            place = _F(p - start)
-            cx, cy = _F(centers[i, 0] - x0 - 0.5), _F(centers[i, 1] - y0 - 0.5)
-            a, b, c, opacity, half = shapes[i, 0], shapes[i, 1], shapes[i, 2], shapes[i, 3], shapes[i, 4]
-            r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
-            for y in range(max(0, int(np.ceil(cy - half))), min(TILE - 1, int(np.floor(cy + half))) + 1):
-                dy = _F(y) - cy
-                e0, e1 = c * dy * dy, b * dy
-                for x in range(TILE):
-                    dx = _F(x) - cx
-                    light = state[y, x]
-                    alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
-                    drawn = (alpha >= ALPHA_MIN) & (light >= TRANSMITTANCE_MIN)
-                    weight = alpha * light if drawn else _F(0)
-                    state[y, x] = light - weight
-                    state[y, TILE + x] = place if drawn else state[y, TILE + x]
-                    state[y, 2 * TILE + x] += weight * r
-                    state[y, 3 * TILE + x] += weight * g
-                    state[y, 4 * TILE + x] += weight * bl
+                        dx = _F(x) - cx
+                        light = state[y, x]
+                        alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
+                        drawn = (alpha >= ALPHA_MIN) & (light >= TRANSMITTANCE_MIN)
+                        weight = alpha * light if drawn else _F(0)
+                        state[y, x] = light - weight
+                        state[y, TILE + x] = place if drawn else state[y, TILE + x]
+                        state[y, 2 * TILE + x] += weight * r
+                        state[y, 3 * TILE + x] += weight * g
+                        state[y, 4 * TILE + x] += weight * bl
         for y in range(TILE):
             for x in range(2 * TILE):
                 lights[tile, y, x] = state[y, x]
@@ -96,9 +102,9 @@ def blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, row
             d_r, d_g, d_b = _F(0), _F(0), _F(0)
             place = _F(p - start)
             cx, cy = _F(centers[i, 0] - x0 - 0.5), _F(centers[i, 1] - y0 - 0.5)
-            a, b, c, opacity, half = shapes[i, 0], shapes[i, 1], shapes[i, 2], shapes[i, 3], shapes[i, 4]
+            a, b, c, opacity = shapes[i, 0], shapes[i, 1], shapes[i, 2], shapes[i, 3]
             r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
-            top, bottom = max(0, int(np.ceil(cy - half))), min(TILE - 1, int(np.floor(cy + half)))
+            top, bottom = reached_rows(-cx, -cy, shapes[i, 4:])
             if p - start > last:
                 bottom = -1  # behind all that any pixel of this tile has seen
             for y in range(top, bottom + 1):

@@ -10,7 +10,7 @@ from ..camera import Camera
 from ..sorting import front_to_back
 from ..tiles import TILE, count_pairs, fill_pairs
 from .blending import blend, blend_back
-from .projecting import SHARES, SUMS, project, project_back
+from .projecting import SHAPE, SHARES, SUMS, project, project_back
 from .tensors import GaussianTensors
 
 
@@ -27,7 +27,7 @@ class _Splatting(torch.autograd.Function):
         positions, wxyz, scales, opacities, colors = (tensor.detach().contiguous().numpy() for tensor in tensors)
         matrix = world_to_camera.detach().to(torch.float64).contiguous().numpy()
         count, width, height = len(positions), int(lens[4]), int(lens[5])
-        centers, shapes = np.empty((count, 2)), np.empty((count, 5), np.float32)
+        centers, shapes = np.empty((count, 2)), np.empty((count, SHAPE), np.float32)
         spans, depths, firsts = np.empty((count, 4), np.int32), np.empty(count), np.empty(count + 1, np.int64)
         project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, shapes, spans, depths, firsts)
         np.cumsum(firsts, out=firsts)

@@ -5,8 +5,10 @@ import numba
 import numpy as np
 
 from ..projection import ALPHA_MIN, DILATION, LOG_SCALE_MAX, NEAR, POSITION_MAX, VIEW_MARGIN
-from ..tiles import TILE
+from ..tiles import TILE, write_reach
 
+SHAPE = 8
+"""Numbers that say what a splat looks like in the picture."""
 SUMS = 9
 """What the tiles leave of each splat: with q = dL/dalpha e for a peak opacity 1, the sums over its pixels of q, q dx,
 q dy, q dx^2, q dx dy, q dy^2, then dL/d red, green, blue."""
@@ -91,9 +93,10 @@ def _covariance(flat):
 
 @numba.njit(cache=True, parallel=True, error_model="numpy")
 def project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, shapes, spans, depths, firsts):
-    """Write each splat's centre (float64 [N, 2], pixels), shape (float32 [N, 5]: conic in units of log2, opacity, half
-    height of its box), span of tiles (int32 [N, 4]), depth (0 where it is not drawn) and number of tiles, one place
-    late (``firsts`` int64 [N + 1]). ``matrix`` float64 [4, 4]; ``lens`` float64: fx, fy, cx, cy, width, height."""
+    """Write each splat's centre (float64 [N, 2], pixels), shape (float32 [N, SHAPE]: conic in units of log2, opacity,
+    what ``tiles.reached_rows`` needs), span of tiles (int32 [N, 4]), depth (0 where it is not drawn) and number of
+    tiles, one place late (``firsts`` int64 [N + 1]). ``matrix`` float64 [4, 4]; ``lens`` float64: fx, fy, cx, cy,
+    width, height."""
     fx, fy, cx, cy, width, height = lens[0], lens[1], lens[2], lens[3], lens[4], lens[5]
     firsts[0] = 0
     for share in numba.prange(SHARES):
@@ -124,7 +127,8 @@ def project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, s
             shapes[i, 0] = -0.5 * _LOG2_E * c / determinant
             shapes[i, 1] = _LOG2_E * b / determinant
             shapes[i, 2] = -0.5 * _LOG2_E * a / determinant
-            shapes[i, 3], shapes[i, 4] = opacity, half_y
+            shapes[i, 3] = opacity
+            write_reach(reach, a, b, c, determinant, shapes[i, 4:])
             left, right = int(max(x - half_x, 0.0) / TILE), int(min(x + half_x, width - 1) / TILE)
             top, bottom = int(max(y - half_y, 0.0) / TILE), int(min(y + half_y, height - 1) / TILE)
             spans[i, 0], spans[i, 1], spans[i, 2], spans[i, 3] = left, right, top, bottom
