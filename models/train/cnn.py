@@ -75,9 +75,9 @@ class CnnAvatar(nn.Module):
             # made of the template each time, so no checkpoint needs them
             self.register_buffer(name, tensor, persistent=False)
 
-    def forward(self, moment: Moment) -> tuple[RawTensors, Residuals]:
-        """The splats of an expression in canonical space, and how far they are from the bare mesh."""
-        residuals = self.residuals(moment)
+    def forward(self, moment: Moment, bare: bool = False) -> tuple[RawTensors, Residuals]:
+        """The splats of an expression in canonical space, and how far they are from the bare mesh; ``bare`` is it."""
+        residuals = self.none() if bare else self.residuals(moment)
         return deform(self.canonical(residuals), self.rest, moment), residuals
 
     def residuals(self, moment: Moment) -> Residuals:
@@ -90,6 +90,10 @@ class CnnAvatar(nn.Module):
                 for name, part in zip(CHANNELS, values.split(list(CHANNELS.values())), strict=True)
             )
         )
+
+    def none(self) -> Residuals:
+        """The bare mesh."""
+        return Residuals(*(torch.zeros(len(self.rest), count, device=self.rest.device) for count in CHANNELS.values()))
 
     def canonical(self, residuals: Residuals) -> RawTensors:
         """The splats around the mesh at rest."""

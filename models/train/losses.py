@@ -6,6 +6,7 @@ import numba
 import numpy as np
 import torch
 from torch import Tensor
+from torch.nn import functional
 
 RADIUS = 5
 """The window of SSIM has 11 x 11 pixels ..."""
@@ -25,11 +26,31 @@ def photometric(image: Tensor, target: Tensor) -> Tensor:
 
 
 def ssim(image: Tensor, target: Tensor) -> Tensor:
-    """Structural similarity of two pictures [H, W, C] in [0, 1], float32 on the CPU: mean over pixels and channels.
+    """Structural similarity of two pictures [H, W, C] in [0, 1]: mean over pixels and channels.
 
-    The edges see zeros beyond them, as in 3DGS. ``target`` gets no gradient.
+    The edges see zeros beyond them, as in 3DGS. ``target`` gets no gradient. On the CPU, where pictures must be
+    float32, it is done by hand, in a sixth of the time that convolutions take; on other devices by these.
     """
+    if image.device.type != "cpu":
+        return ssim_by_convolution(image, target)
     return _Ssim.apply(image, target)  # type: ignore[no-any-return]
+
+
+def ssim_by_convolution(image: Tensor, target: Tensor) -> Tensor:
+    """``ssim`` on any device and in any precision."""
+    taps = torch.from_numpy(_TAPS).to(image)
+    planes = [picture.permute(2, 0, 1)[:, None] for picture in (image, target.detach())]
+
+    def mean(plane: Tensor) -> Tensor:
+        rows = functional.conv2d(plane, taps.view(1, 1, -1, 1), padding=(RADIUS, 0))
+        return functional.conv2d(rows, taps.view(1, 1, 1, -1), padding=(0, RADIUS))
+
+    x, y = planes
+    mx, my = mean(x), mean(y)
+    c1, c2 = float(C1), float(C2)
+    likeness = (2 * mx * my + c1) * (2 * (mean(x * y) - mx * my) + c2)
+    spread = (mx * mx + my * my + c1) * (mean(x * x) - mx * mx + mean(y * y) - my * my + c2)
+    return (likeness / spread).mean()
 
 
 def psnr(image: Tensor, target: Tensor) -> float:

@@ -1,5 +1,7 @@
 """A U-Net in UV space whose decoder is steered by a style, as in StyleAvatar and Animatable Gaussians."""
 
+from itertools import pairwise
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
@@ -33,23 +35,16 @@ class StyleUNet(nn.Module):
         super().__init__()
         widths = [min(width << level, WIDEST) for level in range(levels + 1)]
         self.first = nn.Conv2d(inputs, widths[0], 3, padding=1)
-        self.down = nn.ModuleList(
-            nn.Conv2d(fine, coarse, 3, stride=2, padding=1)
-            for fine, coarse in zip(widths[:-1], widths[1:], strict=True)
-        )
+        pairs = list(pairwise(widths))
+        self.down = nn.ModuleList(nn.Conv2d(fine, coarse, 3, stride=2, padding=1) for fine, coarse in pairs)
         self.style = nn.Sequential(
             nn.Linear(widths[-1], style), nn.LeakyReLU(SLOPE), nn.Linear(style, style), nn.LeakyReLU(SLOPE)
         )
         self.bottom = StyledConv(widths[-1], widths[-1], style)
-        self.up = nn.ModuleList(
-            StyledConv(coarse + fine, fine, style)
-            for fine, coarse in reversed(list(zip(widths[:-1], widths[1:], strict=True)))
-        )
+        self.up = nn.ModuleList(StyledConv(coarse + fine, fine, style) for fine, coarse in reversed(pairs))
         self.shares = nn.ModuleList(nn.Conv2d(channels, outputs, 1) for channels in reversed(widths))
-        for share in self.shares:
-            assert isinstance(share, nn.Conv2d) and share.bias is not None
-            nn.init.zeros_(share.weight)
-            nn.init.zeros_(share.bias)
+        for parameter in self.shares.parameters():
+            nn.init.zeros_(parameter)
 
     def forward(self, maps: Tensor) -> Tensor:
         """[B, inputs, S, S] to [B, outputs, S, S]."""

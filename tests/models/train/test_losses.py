@@ -1,14 +1,18 @@
 """SSIM by hand is SSIM by convolutions."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train.losses import photometric, psnr, ssim  # noqa: E402
+from gemheads.models.train.losses import photometric, psnr, ssim, ssim_by_convolution  # noqa: E402
+
+Similarity = Callable[["torch.Tensor", "torch.Tensor"], "torch.Tensor"]
 
 
-def ssim_by_convolution(image: "torch.Tensor", target: "torch.Tensor") -> "torch.Tensor":
+def ssim_by_window(image: "torch.Tensor", target: "torch.Tensor") -> "torch.Tensor":
     taps = torch.exp(-((torch.arange(11).double() - 5) ** 2) / 4.5)
     window = (taps[:, None] * taps / taps.sum() ** 2).expand(3, 1, 11, 11)
 
@@ -30,10 +34,11 @@ def pictures(height: int, width: int) -> tuple["torch.Tensor", "torch.Tensor"]:
     return torch.tensor(noisy, dtype=torch.float32).requires_grad_(), torch.tensor(smooth, dtype=torch.float32)
 
 
+@pytest.mark.parametrize("similarity", [ssim, ssim_by_convolution])
 @pytest.mark.parametrize(("height", "width"), [(40, 33), (7, 5)])
-def test_value_and_gradient(height: int, width: int) -> None:
+def test_value_and_gradient(height: int, width: int, similarity: Similarity) -> None:
     image, target = pictures(height, width)
-    found, wanted = ssim(image, target), ssim_by_convolution(image, target)
+    found, wanted = similarity(image, target), ssim_by_window(image, target)
     assert found.item() == pytest.approx(wanted.item(), abs=2e-5)
     slope, correct = (torch.autograd.grad(value, image)[0] for value in (found, wanted))
     assert (slope - correct).abs().max() <= 1e-4 * correct.abs().max()

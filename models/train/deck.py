@@ -1,0 +1,44 @@
+"""Which pictures each step learns from: dealt by number, so that a run can go on from any step."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..captures.layout import Shot
+
+
+class Deck:
+    """Moments in random order, each once before one comes again, with some of their pictures."""
+
+    def __init__(self, shots: Sequence[Shot], hand: int, seed: int) -> None:
+        """``hand`` pictures a step, or all that the moment has."""
+        moments: dict[int, list[Shot]] = defaultdict(list)
+        for shot in shots:
+            moments[shot.timestep].append(shot)
+        self._moments = [moments[timestep] for timestep in sorted(moments)]
+        self._hand, self._seed = hand, seed
+        self._round, self._order = -1, np.zeros(0, np.int64)
+
+    def dealt(self, step: int) -> list[Shot]:
+        """The pictures of a step, all of one moment."""
+        turn, place = divmod(step, len(self._moments))
+        if turn != self._round:
+            self._round, self._order = (
+                turn,
+                np.random.default_rng([self._seed, 0, turn]).permutation(len(self._moments)),
+            )
+        moment = self._moments[self._order[place]]
+        chosen = self.lot(step).permutation(len(moment))[: self._hand]
+        return [moment[index] for index in chosen]
+
+    def lot(self, step: int) -> np.random.Generator:
+        """The chance of a step: the same for the same step, whatever was before. Nothing needs to be kept of it."""
+        return np.random.default_rng([self._seed, 1, step])
+
+
+def spaced(shots: Sequence[Shot], count: int) -> list[Shot]:
+    """So many of the shots, evenly spaced over the whole list."""
+    if len(shots) <= count:
+        return list(shots)
+    return [shots[index] for index in np.linspace(0, len(shots) - 1, count).round().astype(int)]

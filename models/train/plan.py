@@ -1,0 +1,67 @@
+"""How an avatar is learned: every number of it in one place, and three choices of them."""
+
+from dataclasses import dataclass, replace
+
+from .cnn import Architecture
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Numbers that, with the capture, determine the outcome; they are kept in the run's config.json."""
+
+    size: int
+    """Texels along a side of the UV map: a power of two."""
+    width: int
+    """Channels of the network at full resolution."""
+    levels: int
+    """How often its maps are halved."""
+    steps: int
+    views: int = 2
+    """Pictures a step, all of one moment: the network answers once for them."""
+    colors_first: int = 200
+    """So many steps learn the colours of the bare mesh, before anything moves. At ``steps`` it is a bare mesh."""
+    network_rate: float = 1e-3
+    """Learning rates fall along half a cosine to 2 % of these: of the network ..."""
+    constant_rate: float = 1e-2
+    """... of the part of the residuals that no expression changes ..."""
+    color_rate: float = 1e-2
+    """... and of the colours; five times that while they are learned alone."""
+    perceptual: float = 0.02
+    """Zeta, the weight of the VGG term in equation 2; 0 leaves it out."""
+    perceptual_every: int = 1
+    """Steps between two that look at it; it counts so many times as much then."""
+    perceptual_side: int | None = None
+    """Pixels of the random square that it looks at; None is the whole picture."""
+    focus: float = 2.0
+    """How much more a pixel of mouth and eyes counts than one elsewhere."""
+    offset_weight: float = 1e-3
+    """Of the mean squared offset, in units of cnn.STEP."""
+    growth_weight: float = 1e-3
+    """Of the mean squared change of the log scales, in the same units."""
+    checkpoint_every: int = 100
+    preview_every: int = 500
+    seed: int = 0
+
+    @property
+    def architecture(self) -> Architecture:
+        """The network's part of it."""
+        return Architecture(self.size, self.width, self.levels)
+
+    def changed(self, steps: int | None = None, perceptual: bool = True, seed: int = 0) -> "Plan":
+        """Another length, seed, or no VGG term; short runs spend at most a tenth on colours alone."""
+        steps = self.steps if steps is None else steps
+        return replace(
+            self,
+            steps=steps,
+            colors_first=min(self.colors_first, -(-steps // 10)),
+            perceptual=self.perceptual if perceptual else 0.0,
+            seed=seed,
+        )
+
+
+PRESETS = {
+    "tiny": Plan(128, 16, 4, steps=4000, perceptual_every=8, perceptual_side=96),
+    "small": Plan(128, 32, 4, steps=20_000, perceptual_every=4, perceptual_side=128, preview_every=1000),
+    "full": Plan(256, 64, 5, steps=100_000, views=4, colors_first=1000, checkpoint_every=500, preview_every=2500),
+}
+"""tiny is minutes on two cores, small an hour or two, full is for a GPU."""

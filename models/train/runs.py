@@ -1,0 +1,137 @@
+"""The folder of a training run: what was asked for, how far it came, and the avatar in it."""
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from ...render.diff.tensors import RawTensors
+from ...render.gaussians import RawGaussians
+from ..captures.layout import Tracked
+from ..captures.reader import Capture, open_capture
+from ..captures.texels import Texels, texels_of
+from ..wholefile import write_whole
+from .cnn import CnnAvatar
+from .deform import moment_of
+from .plan import Plan
+
+CONFIG, CHECKPOINT, PREVIEWS = "config.json", "checkpoint.pt", "previews"
+VERSION = 1
+
+
+class RunError(Exception):
+    """A run that cannot be used or continued: what is wrong, in which file, and the cure."""
+
+    def __init__(self, where: Path, what: str, cure: str) -> None:
+        super().__init__(f"{where}: {what}; {cure}")
+        self.where, self.what, self.cure = where, what, cure
+
+
+@dataclass(frozen=True)
+class Config:
+    """config.json."""
+
+    capture: Path
+    subject: str
+    plan: Plan
+
+
+@dataclass(frozen=True)
+class Run:
+    """A trained avatar, ready to answer tracked meshes."""
+
+    folder: Path
+    capture: Capture
+    plan: Plan
+    step: int
+    """How many steps it was trained for."""
+    texels: Texels
+    avatar: CnnAvatar
+
+    def splats(self, tracked: Tracked) -> RawGaussians:
+        """The splats of an expression in canonical space; the head's pose is for ``posing.pose_head``."""
+        with torch.no_grad():
+            raw, _ = self.avatar(moment_of(self.texels, tracked), self.step <= self.plan.colors_first)
+        return arrays_of(raw)
+
+
+def arrays_of(raw: RawTensors) -> RawGaussians:
+    """Tensors as NumPy arrays of their own."""
+    return RawGaussians(*(np.array(tensor.detach().cpu().numpy(), np.float32, order="C") for tensor in raw))
+
+
+def open_run(folder: Path, capture: Path | None = None) -> Run:
+    """A run as far as it came.
+
+    Args:
+        folder: written by ``train_avatar``.
+        capture: where its capture lies now; None looks where it lay.
+
+    Raises RunError, and CaptureError where the capture is no longer what it was.
+    """
+    config = read_config(folder)
+    if config is None:
+        raise RunError(folder, "is no training run", f"a run holds {CONFIG}; make one: gemheads train CAPTURE -o RUN")
+    state = read_checkpoint(folder)
+    if state is None:
+        raise RunError(folder, "holds nothing learned yet", "let gemheads train work on it for longer")
+    opened = open_capture(config.capture if capture is None else capture)
+    texels = texels_of(opened.template, config.plan.size)
+    avatar = CnnAvatar(texels, config.plan.architecture)
+    load(avatar, state["avatar"], folder)
+    return Run(folder, opened, config.plan, int(state["step"]), texels, avatar.eval())
+
+
+def load(avatar: CnnAvatar, weights: Mapping[str, Any], folder: Path) -> None:
+    """Puts weights into an avatar. RunError where they are of another one: the capture's template was changed."""
+    try:
+        avatar.load_state_dict(weights)
+    except RuntimeError as error:
+        what = "does not fit its capture's template, which must have changed"
+        raise RunError(folder / CHECKPOINT, what, "train again into another folder") from error
+
+
+def write_config(folder: Path, config: Config) -> None:
+    """Raises OSError."""
+    told = {"version": VERSION, "capture": str(config.capture.resolve()), "subject": config.subject}
+    text = json.dumps({**told, "plan": asdict(config.plan)}, indent=1)
+    write_whole(folder / CONFIG, [text.encode()])
+
+
+def read_config(folder: Path) -> Config | None:
+    """None where the folder holds none. Raises RunError where it cannot be understood."""
+    path = folder / CONFIG
+    if not path.is_file():
+        return None
+    try:
+        told = json.loads(path.read_text())
+        version = told["version"]
+        if version == VERSION:
+            return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]))
+    except (ValueError, KeyError, TypeError, OSError) as error:
+        raise RunError(path, f"cannot be understood ({error})", "train again into another folder") from error
+    raise RunError(path, f"has version {version}, this program reads {VERSION}", "use the program that wrote it")
+
+
+def write_checkpoint(folder: Path, state: Mapping[str, Any]) -> None:
+    """Whole or not at all. Raises OSError."""
+    packed = io.BytesIO()
+    torch.save(dict(state), packed)
+    write_whole(folder / CHECKPOINT, [packed.getbuffer()])
+
+
+def read_checkpoint(folder: Path) -> dict[str, Any] | None:
+    """None where there is none yet. Raises RunError where it is broken; nothing in it is executed."""
+    path = folder / CHECKPOINT
+    if not path.is_file():
+        return None
+    try:
+        return dict(torch.load(path, map_location="cpu", weights_only=True))
+    except Exception as error:  # torch names many, and a broken archive has its own
+        cure = f"delete {CHECKPOINT} to begin anew"
+        raise RunError(path, f"is broken ({type(error).__name__})", cure) from error
