@@ -47,14 +47,17 @@ def adopt(
     """
     _check_size(source, components)
     distilled = distill(_told(source, "read", progress), components)
-    side = ceil(sqrt(source.splats))
+    side = ceil(sqrt(source.splats)) if source.uv_index is None else source.uv_size
+    texels = source.uv_index
+    if texels is None:
+        texels = lay_out(source.rest.positions, np.zeros(source.splats, int), side)
     gem = Gem(
         name=name,
         bases=distilled.bases,
         colors=np.ascontiguousarray(distilled.colors, np.float32),
         neck_weights=source.neck_weights,
         neck_pivot=source.neck_pivot,
-        uv_index=lay_out(source.rest.positions, np.zeros(source.splats, int), side),
+        uv_index=texels,
         uv_size=side,
         viewing=source.viewing,
         about=dict(about or {}),

@@ -33,3 +33,9 @@ class Source:
     """[F, 52] the ARKit weights of each frame, where the avatar is driven by such."""
     notes: tuple[str, ...] = ()
     """What its owner should know about how it was read."""
+    uv_index: NDArray[np.uint16] | None = None
+    """[N, 2] column and row of each splat in a UV map, where the splats have such."""
+    uv_size: int = 0
+    """Side of that map."""
+    moments: tuple[int, ...] = ()
+    """[F] timestep of each frame, where they come from a capture."""

@@ -1,0 +1,51 @@
+"""A capture's bare mesh as splats: what tracking alone gives, without anything learned."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ...render.gaussians import RawGaussians
+from ..importers.source import Source
+from .reader import Capture
+from .texels import texels_of
+from .texture import texel_colors
+
+KIND = "bare mesh of the capture"
+
+
+def capture_source(
+    capture: Capture, size: int, progress: Callable[[str, int, int], None] = lambda stage, done, total: None
+) -> Source:
+    """One splat for each covered texel of a ``size`` x ``size`` map, carried by the tracked mesh of each training
+    moment, its head pose taken out.
+
+    Raises ValueError where the template covers no texel, CaptureError where a file changed since it was opened.
+    """
+    texels = texels_of(capture.template, size)
+    colors, seen = texel_colors(capture, texels, progress)
+    rest = texels.splats(colors)
+    moments = capture.timesteps("train")
+
+    def frames() -> Iterator[RawGaussians]:
+        return (texels.carried(rest, capture.tracked(moment).vertices) for moment in moments)
+
+    arkit = [capture.tracked(moment).arkit for moment in moments]
+    known = [weights for weights in arkit if weights is not None]
+    notes = [] if len(known) == len(arkit) else ["it has no ARKit weights, so only tracks and a regressor drive it"]
+    if not seen.all():
+        notes.append(f"{(~seen).mean():.0%} of its texels are in no picture and have their neighbours' colours")
+    return Source(
+        kind=KIND,
+        splats=len(texels),
+        count=len(moments),
+        frames=frames,
+        rest=rest,
+        neck_weights=np.clip(texels.spread(capture.template.neck_weights), 0, 1).astype(np.float32),
+        neck_pivot=np.asarray(capture.template.neck_pivot, np.float32),
+        viewing=capture.viewing(),
+        performance=np.stack(known) if len(known) == len(arkit) else None,
+        notes=tuple(notes),
+        uv_index=np.stack([texels.uv_index % size, texels.uv_index // size], 1).astype(np.uint16),
+        uv_size=size,
+        moments=moments,
+    )
