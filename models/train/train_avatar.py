@@ -1,0 +1,279 @@
+"""Training a CNN avatar on a capture: the loop, what it survives, and what it leaves in the run's folder.
+
+Every choice of chance depends on the seed and the number of the step alone, so a run that was killed goes on from its
+last checkpoint to the same avatar, bit for bit on a CPU.
+"""
+
+import io
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ...render.diff import cuda
+from ...render.diff.tensors import activate
+from ..captures.reader import Capture
+from ..captures.texels import texels_of
+from ..wholefile import write_whole
+from .cnn import CnnAvatar
+from .deck import Deck, spaced
+from .drawing import Stage
+from .focus import focus_map, regions_of
+from .objective import TERMS, Objective
+from .perceptual import Perceptual
+from .plan import Plan
+from .previews import comparison, loss_curve, write_png
+from .runs import (
+    CHECKPOINT,
+    PREVIEWS,
+    Config,
+    RunError,
+    load,
+    read_checkpoint,
+    read_config,
+    write_checkpoint,
+    write_config,
+)
+
+Progress = Callable[[str, int, int], None]
+
+FINAL_RATE = 0.02
+"""Share of the learning rates that is left at the end."""
+COLOR_BOOST = 5.0
+"""Of the colours' rate while they are learned alone."""
+LARGEST_GRADIENT = 1.0
+"""Longer ones are cut to this length."""
+PATIENCE = 5
+"""So many non-finite steps in a row take the run back to its last checkpoint ..."""
+RETURNS = 3
+"""... and so many returns without a sound step between them end it."""
+JUDGED = 12
+"""Pictures of a split that the quality is measured on while training."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a training came to."""
+
+    steps: int
+    seconds: float
+    """Of this call alone."""
+    loss: float
+    """Mean over the last tenth of the steps."""
+    val_psnr: float
+    """Decibels on JUDGED pictures of the held-out camera; NaN where the capture has none ..."""
+    test_psnr: float
+    """... and of held-out expressions."""
+    skipped: int
+    """Steps that were not finite."""
+    restored: int
+    """Returns to a checkpoint on their account."""
+
+
+def train_avatar(
+    capture: Capture,
+    folder: Path,
+    plan: Plan,
+    perceptual: Perceptual | None = None,
+    device: str | torch.device | None = None,
+    progress: Progress = lambda stage, done, total: None,
+) -> Outcome:
+    """Train an avatar, or go on with the training in ``folder``.
+
+    Args:
+        capture: opened.
+        folder: the run's; made where it is missing.
+        plan: must be that of the run where there is one already.
+        perceptual: network of the VGG term; None leaves it out.
+        device: None takes CUDA where gsplat draws, else the CPU.
+        progress: is told after each step.
+
+    Raises:
+        RunError: where the folder holds another run, or training does not stay finite.
+        CaptureError: where the capture changed meanwhile.
+        OSError: where the folder cannot be written.
+    """
+    begin_run(folder, Config(capture.folder, capture.subject, plan))
+    trainer = Trainer(capture, folder, plan, perceptual, device or default_device())
+    trainer.resume()
+    return trainer.run(progress)
+
+
+def begin_run(folder: Path, config: Config) -> None:
+    """Makes the folder and writes its config; a run of the same config goes on. Raises RunError, OSError."""
+    before = read_config(folder)
+    if before is not None and before.plan != config.plan:
+        raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
+    if before is not None and before.capture.resolve() != config.capture.resolve():
+        raise RunError(folder, f"holds a run of {before.capture}", "give that capture to go on, or another folder")
+    if before is None:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_config(folder, config)
+
+
+def default_device() -> torch.device:
+    """CUDA where gsplat draws, else the CPU."""
+    return torch.device("cpu" if cuda.missing() else "cuda")
+
+
+class Trainer:
+    """A training between two steps."""
+
+    def __init__(
+        self, capture: Capture, folder: Path, plan: Plan, perceptual: Perceptual | None, device: str | torch.device
+    ) -> None:
+        self.folder, self.plan = folder, plan
+        texels = texels_of(capture.template, plan.size)
+        with torch.random.fork_rng():
+            torch.manual_seed(plan.seed)
+            self.avatar = CnnAvatar(texels, plan.architecture).to(device)
+        self.stage = Stage(capture, texels, self.avatar, torch.device(device))
+        self.objective = Objective(plan, perceptual)
+        self.deck = Deck(capture.train, plan.views, plan.seed)
+        self.step, self.skipped, self.restored = 0, 0, 0
+        self._stumbles, self._returns = 0, 0
+        self._rows: list[list[float]] = []
+        self._regions = regions_of(texels, capture.template.part_names)
+        self._groups = {
+            "network": (list(self.avatar.network.parameters()), plan.network_rate),
+            "constant": ([self.avatar.constant], plan.constant_rate),
+            "colors": ([self.avatar.colors], plan.color_rate),
+        }
+        self._optimizer = torch.optim.Adam(
+            [{"params": parameters, "lr": rate} for parameters, rate in self._groups.values()], fused=True
+        )
+
+    def resume(self) -> None:
+        """Go back to the folder's checkpoint, or make the first one. Raises RunError, OSError."""
+        state = read_checkpoint(self.folder)
+        if state is None:
+            self._keep()
+            return
+        self._load(state)
+        self.step, self._rows = int(state["step"]), state["rows"].tolist()
+        self.skipped, self.restored, self._stumbles, self._returns = (int(x) for x in state["faults"])
+
+    def run(self, progress: Progress) -> Outcome:
+        """All steps that are left; then the folder holds everything."""
+        started = time.monotonic()
+        while self.step < self.plan.steps:
+            self._learn()
+            if self.step % self.plan.checkpoint_every == 0 or self.step == self.plan.steps:
+                self._keep()
+            if self.step % self.plan.preview_every == 0:
+                self._show()
+            progress("train", self.step, self.plan.steps)
+        self._show()
+        capture, late = self.stage.capture, [row[-1] for row in self._rows[-max(1, len(self._rows) // 10) :]]
+        return Outcome(
+            steps=self.step,
+            seconds=time.monotonic() - started,
+            loss=float(np.nanmean(late)) if np.isfinite(late).any() else float("nan"),
+            val_psnr=self.stage.quality(spaced(capture.val, JUDGED), self._bare),
+            test_psnr=self.stage.quality(spaced(capture.test, JUDGED), self._bare),
+            skipped=self.skipped,
+            restored=self.restored,
+        )
+
+    @property
+    def _bare(self) -> bool:
+        return self.step <= self.plan.colors_first
+
+    def _learn(self) -> None:
+        """One step, from its pictures to its new weights; one that is not finite changes nothing."""
+        for group, (_, rate) in zip(self._optimizer.param_groups, self._groups.values(), strict=True):
+            group["lr"] = rate * self._rate_share()
+        self._optimizer.zero_grad(set_to_none=True)
+        terms = self._terms()
+        loss = self.objective.total(terms)
+        sound = bool(torch.isfinite(loss))
+        if sound:
+            loss.backward()
+            parameters = [x for x in self.avatar.parameters() if x.grad is not None]
+            sound = bool(torch.isfinite(torch.nn.utils.clip_grad_norm_(parameters, LARGEST_GRADIENT)))
+        self._rows.append([self.step, *terms.detach().tolist(), float(loss.detach())])
+        self.step += 1
+        if sound:
+            self._optimizer.step()
+            with torch.no_grad():
+                self.avatar.colors.clamp_(0, 1)
+            self._stumbles = self._returns = 0
+        else:
+            self._stumble()
+
+    def _terms(self) -> Tensor:
+        """[5] the terms of this step's loss; NaN where splats are not finite: engines would leave these out silently."""
+        lot, shots = self.deck.lot(self.step), self.deck.dealt(self.step)
+        raw, residuals = self.stage.splats(shots[0].timestep, self.step < self.plan.colors_first)
+        if not all(bool(torch.isfinite(tensor).all()) for tensor in raw):
+            return torch.full((len(TERMS),), float("nan"), requires_grad=True)
+        splats, positions = activate(raw), raw.positions.detach().cpu().numpy()
+        totals = []
+        for shot in shots:
+            view = self.stage.view(shot, lot.uniform(0, 1, 3).tolist())
+            focus = torch.from_numpy(focus_map(self._regions, positions, shot.camera)).to(raw.positions)
+            image = self.stage.draw(splats, view)
+            totals.append(self.objective.of_picture(image, view.picture, focus, self.step, lot))
+        return torch.cat([torch.stack(totals).mean(0), self.objective.of_residuals(residuals)])
+
+    def _rate_share(self) -> float:
+        if self.step < self.plan.colors_first:
+            return COLOR_BOOST
+        done = (self.step - self.plan.colors_first) / max(1, self.plan.steps - self.plan.colors_first)
+        return FINAL_RATE + (1 - FINAL_RATE) * 0.5 * (1 + math.cos(math.pi * done))
+
+    def _stumble(self) -> None:
+        self.skipped += 1
+        self._stumbles += 1
+        if self._stumbles < PATIENCE:
+            return
+        state = read_checkpoint(self.folder)
+        if state is None or self._returns == RETURNS:
+            what = f"is not finite {PATIENCE * (RETURNS + 1)} steps in a row, at step {self.step}"
+            raise RunError(self.folder, what, "look at its loss.csv; the capture holds moments that cannot be drawn")
+        self._load(state)
+        self._stumbles = 0
+        self._returns += 1
+        self.restored += 1
+
+    def _load(self, state: dict[str, Any]) -> None:
+        load(self.avatar, state["avatar"], self.folder)
+        try:
+            self._optimizer.load_state_dict(state["optimizer"])
+        except ValueError as error:
+            cure = f"delete {CHECKPOINT} to begin anew"
+            raise RunError(self.folder / CHECKPOINT, f"does not fit ({error})", cure) from error
+
+    def _keep(self) -> None:
+        state = {
+            "step": self.step,
+            "avatar": self.avatar.state_dict(),
+            "optimizer": self._optimizer.state_dict(),
+            "rows": torch.tensor(self._rows, dtype=torch.float64),
+            "faults": [self.skipped, self.restored, self._stumbles, self._returns],
+        }
+        write_checkpoint(self.folder, state)
+
+    def _show(self) -> None:
+        """Previews, the curve, and the numbers behind it."""
+        capture = self.stage.capture
+        shots = [*spaced(capture.val, 2), *spaced(capture.test, 2)] or spaced(capture.train, 2)
+        picture = comparison([self.stage.seen(shot, self._bare) for shot in shots])
+        write_png(self.folder / PREVIEWS / f"{self.step:06d}.png", picture)
+        rows = np.array(self._rows)
+        write_png(self.folder / "loss.png", loss_curve(rows[:, 0], rows[:, -1]))
+        write_whole(self.folder / "loss.csv", [_table(self._rows).encode()])
+
+
+def _table(rows: Sequence[Sequence[float]]) -> str:
+    text = io.StringIO()
+    text.write(",".join(["step", *TERMS, "loss"]) + "\n")
+    for row in rows:
+        text.write(",".join([f"{row[0]:.0f}", *(f"{value:.6g}" for value in row[1:])]) + "\n")
+    return text.getvalue()
