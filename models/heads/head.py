@@ -16,6 +16,7 @@ from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vert
 from .meshview import see
 from .people import Person
 from .proxies import Proxy, load_proxy
+from .puppet import Puppet
 from .teeth import carried, make_arches
 
 Floats = NDArray[np.floating]
@@ -24,8 +25,6 @@ PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair", "glints")
 SKIN, EYES, TEETH, TONGUE, LASHES, HAIR, GLINTS = range(7)
 CROP_BELOW_CROWN = 3.75
 """Decimetres of body kept below the crown: head, neck and the top of the shoulders."""
-GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 28.0, "Down": 32.0}
-"""Degrees an eyeball turns at weight 1."""
 GLINTS_TOWARD = ((-0.20, 0.17, 1.0), (0.24, -0.10, 1.0))
 """Where on an eyeball the key and the fill lamp are mirrored; they stay when the eye turns."""
 GAIN = {
@@ -43,18 +42,12 @@ GAIN = {
 UPPER_TEETH_DROP, LOWER_TEETH_DROP = 0.034, 0.030
 TONGUE_SHIFT = np.array([0.0, -0.05, -0.03])
 """Decimetres: MakeHuman's teeth hide behind the upper lip; incisors should reach just below where the lips meet."""
-LID_CLEARANCE = 1.035
-"""Lids ride at this multiple of the eyeball's radius."""
 
 
 @dataclass(frozen=True)
-class Head:
-    """A person's head, metres, canonical space."""
+class Head(Puppet):
+    """A person's head with all its surfaces."""
 
-    vertices: NDArray[np.float32]
-    """[V, 3] the neutral face."""
-    deltas: NDArray[np.float32]
-    """[52, V, 3] what one unit of each ARKit weight adds."""
     triangles: NDArray[np.int64]
     """[F, 3]"""
     texture: NDArray[np.float32]
@@ -63,31 +56,8 @@ class Head:
     """[F] index into PARTS."""
     canvas: NDArray[np.float32]
     """[V, 3] the vertex on the average MakeHuman head, metres from between its eyes: where detail is painted."""
-    eye_centers: NDArray[np.float32]
-    """[2, 3] left, right (the person's)."""
-    eye_axes: NDArray[np.float32]
-    """[2, 3] where the pupils point at rest: through the middle of the open lids."""
-    eye_radius: float
-    """Metres."""
-    eye_of_vertex: NDArray[np.int8]
-    """[V] 0 or 1 for vertices of the left or right eyeball, else -1."""
-    lid_of_vertex: NDArray[np.int8]
-    """[V] 0 or 1 for skin that slides over that eyeball, else -1."""
     lip_rim: NDArray[np.int64]
     """[3] vertices: the left corner of the mouth, the middles of the upper and of the lower lip's edge."""
-
-    def pose(self, weights: Floats) -> NDArray[np.float32]:
-        """Vertices [V, 3] of the face with ARKit ``weights`` [52]."""
-        active = np.flatnonzero(weights)
-        posed = self.vertices + np.tensordot(np.asarray(weights, np.float32)[active], self.deltas[active], 1)
-        for side, center in enumerate(self.eye_centers):
-            ball = self.eye_of_vertex == side
-            posed[ball] = (self.vertices[ball] - center) @ _gaze(weights, side).T + center
-            lid = self.lid_of_vertex == side
-            offset = posed[lid] - center
-            reach = np.linalg.norm(offset, axis=1, keepdims=True)
-            posed[lid] = center + offset * np.maximum(1, self.eye_radius * LID_CLEARANCE / np.maximum(reach, 1e-6))
-        return posed.astype(np.float32)
 
     def mouth_light(self, posed: Floats) -> float:
         """Share in [0, 1] of the light outside that reaches the incisors of a pose [V, 3]."""
@@ -102,17 +72,6 @@ class Head:
     def normals(self) -> NDArray[np.float32]:
         """[V, 3] smooth normals of the neutral face."""
         return vertex_normals(self.vertices.astype(float), self.triangles).astype(np.float32)
-
-
-def _gaze(weights: Floats, side: int) -> Floats:
-    """Rotation [3, 3] of the left (0) or right (1) eyeball."""
-    name = ("Left", "Right")[side]
-    w = {d: float(weights[NAMES.index(f"eyeLook{d}{name}")]) * np.radians(GAZE_DEG[d]) for d in GAZE_DEG}
-    yaw = (w["Out"] - w["In"]) * (1 if side == 0 else -1)  # The person's left is +x.
-    pitch = w["Down"] - w["Up"]
-    about_y = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
-    about_x = np.array([[1, 0, 0], [0, np.cos(pitch), -np.sin(pitch)], [0, np.sin(pitch), np.cos(pitch)]])
-    return about_y @ about_x
 
 
 def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> Head:

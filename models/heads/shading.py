@@ -49,9 +49,20 @@ class Shader:
     def color(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
         """sRGB [N, 3] of points given by triangle [N] and barycentric weights [N, 3]; not for hair and lashes."""
         head = self.head
-        uv, canvas, normal = points_of(head, faces, weights)
+        _, canvas, normal = points_of(head, faces, weights)
+        light = (self.light[head.triangles[faces]] * weights[..., None]).sum(1)
+        base, sheen = self.surface(faces, weights)
+        bump = np.stack([value_noise(canvas, 1.6e-3, self.person.seed + 40 + k) for k in range(3)], 1)
+        bent = normal + 0.05 * bump * (head.parts[faces] == SKIN)[:, None]
+        bent /= np.linalg.norm(bent, axis=1, keepdims=True)
+        shine = sheen * _sheen(bent) * np.clip(light.mean(1) / 1.2, 0, 1)
+        return np.clip(tone(EXPOSURE * base * light + shine[:, None] * np.array([1.0, 0.97, 0.94])), 0, 1)
+
+    def surface(self, faces: NDArray[np.int64], weights: Floats) -> tuple[Floats, Floats]:
+        """Linear albedo [N, 3] and sheen [N] of points given as for ``color``: what they are like before any light."""
+        head = self.head
+        uv, canvas, _ = points_of(head, faces, weights)
         corners = head.triangles[faces]
-        light = (self.light[corners] * weights[..., None]).sum(1)
         position = (head.vertices[corners] * weights[..., None]).sum(1)
         part = head.parts[faces]
         base = np.full((len(faces), 3), 0.2)
@@ -71,11 +82,7 @@ class Shader:
         base[on] = linear(sample_map(self.tongue_map, uv[on])[:, :3]) * np.array([0.50, 0.40, 0.42])
         base[on] *= mouth_shade(canvas[on])[:, None]
         sheen[on] = 0.25
-        bump = np.stack([value_noise(canvas, 1.6e-3, self.person.seed + 40 + k) for k in range(3)], 1)
-        bent = normal + 0.05 * bump * (part == SKIN)[:, None]
-        bent /= np.linalg.norm(bent, axis=1, keepdims=True)
-        shine = sheen * _sheen(bent) * np.clip(light.mean(1) / 1.2, 0, 1)
-        return np.clip(tone(EXPOSURE * base * light + shine[:, None] * np.array([1.0, 0.97, 0.94])), 0, 1)
+        return base, sheen
 
     def _eyes(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
         """Linear albedo of sclera, iris and pupil."""
