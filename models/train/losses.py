@@ -2,22 +2,15 @@
 
 from typing import Any
 
-import numba
 import numpy as np
 import torch
 from torch import Tensor
 from torch.nn import functional
 
-RADIUS = 5
-"""The window of SSIM has 11 x 11 pixels ..."""
-WINDOW_SIGMA = 1.5
-"""... and falls off like this Gaussian, pixels (Wang et al. 2004)."""
-C1, C2 = np.float32(0.01**2), np.float32(0.03**2)
+from ..metrics.structure import C1, C2, RADIUS, TAPS, blur, compare, moments
+
 SSIM_SHARE = 0.2
 """Of D-SSIM in the photometric loss of 3DGS; the rest is L1."""
-_FAST = {"contract", "reassoc", "arcp", "nsz"}
-_TAPS = np.exp(-((np.arange(2 * RADIUS + 1) - RADIUS) ** 2) / (2 * WINDOW_SIGMA**2))
-_TAPS = (_TAPS / _TAPS.sum()).astype(np.float32)
 
 
 def photometric(image: Tensor, target: Tensor) -> Tensor:
@@ -38,7 +31,7 @@ def ssim(image: Tensor, target: Tensor) -> Tensor:
 
 def ssim_by_convolution(image: Tensor, target: Tensor) -> Tensor:
     """``ssim`` on any device and in any precision."""
-    taps = torch.from_numpy(_TAPS).to(image)
+    taps = torch.from_numpy(TAPS).to(image)
     planes = [picture.permute(2, 0, 1)[:, None] for picture in (image, target.detach())]
 
     def mean(plane: Tensor) -> Tensor:
@@ -65,16 +58,16 @@ class _Ssim(torch.autograd.Function):
         height, width, channels = image.shape
         x = image.detach().contiguous().numpy().reshape(height, -1)
         y = target.detach().contiguous().numpy().reshape(height, -1)
-        moments = np.empty((5, height, width * channels), np.float32)
-        _moments(x, y, moments)
-        blurred = np.empty_like(moments)
-        _blur(moments, channels, blurred)
-        slopes, rows = moments[:3], np.empty(height)
-        _compare(blurred, slopes, rows)
-        _blur(slopes, channels, blurred[:3])
+        planes = np.empty((5, height, width * channels), np.float32)
+        moments(x, y, planes)
+        blurred, values = np.empty_like(planes), np.empty_like(x)
+        blur(planes, channels, blurred)
+        slopes = planes[:3]
+        compare(blurred, slopes, values)
+        blur(slopes, channels, blurred[:3])
         ctx.save_for_backward(image, target)
         ctx.slopes = blurred
-        return image.new_tensor(rows.sum() / x.size)
+        return image.new_tensor(values.mean(dtype=np.float64))
 
     @staticmethod
     def backward(ctx: Any, *grad_outputs: Any) -> Any:
@@ -82,53 +75,3 @@ class _Ssim(torch.autograd.Function):
         by_mean, by_square, by_product = (torch.from_numpy(plane).view(image.shape) for plane in ctx.slopes[:3])
         slope = by_mean + 2 * image * by_square + target * by_product
         return slope * (grad_outputs[0] / image.numel()), None
-
-
-@numba.njit(cache=True, parallel=True, fastmath=_FAST)
-def _moments(x, y, planes):
-    for i in numba.prange(x.shape[0]):
-        for j in range(x.shape[1]):
-            a, b = x[i, j], y[i, j]
-            planes[0, i, j], planes[1, i, j], planes[2, i, j] = a, b, a * a
-            planes[3, i, j], planes[4, i, j] = b * b, a * b
-
-
-@numba.njit(cache=True, parallel=True, fastmath=_FAST)
-def _blur(planes, channels, out):
-    """The window over each plane [P, H, W * C], rows then columns; it is its own transpose."""
-    count, height, width = planes.shape
-    pad = RADIUS * channels
-    for i in numba.prange(height):
-        row = np.zeros(width + 2 * pad, np.float32)
-        inner = row[pad : pad + width]
-        for p in range(count):
-            inner[:] = 0
-            for k in range(max(0, RADIUS - i), min(2 * RADIUS + 1, height + RADIUS - i)):
-                tap, line = _TAPS[k], planes[p, i + k - RADIUS]
-                for j in range(width):
-                    inner[j] += tap * line[j]
-            target = out[p, i]
-            target[:] = 0
-            for k in range(2 * RADIUS + 1):
-                tap, line = _TAPS[k], row[k * channels : k * channels + width]
-                for j in range(width):
-                    target[j] += tap * line[j]
-
-
-@numba.njit(cache=True, parallel=True, fastmath=_FAST)
-def _compare(blurred, slopes, rows):
-    """SSIM's sum of each row, and its derivatives by the blurred image, its square, and its product with the target."""
-    for i in numba.prange(blurred.shape[1]):
-        total = np.float32(0)
-        for j in range(blurred.shape[2]):
-            mx, my = blurred[0, i, j], blurred[1, i, j]
-            a1, a2 = 2 * mx * my + C1, 2 * (blurred[4, i, j] - mx * my) + C2
-            b1 = mx * mx + my * my + C1
-            b2 = blurred[2, i, j] - mx * mx + blurred[3, i, j] - my * my + C2
-            inverse = np.float32(1) / (b1 * b2)
-            value = a1 * a2 * inverse
-            total += value
-            slopes[0, i, j] = 2 * my * (a2 - a1) * inverse - value * 2 * mx * (b2 - b1) * inverse
-            slopes[1, i, j] = -value * b1 * inverse
-            slopes[2, i, j] = 2 * a1 * inverse
-        rows[i] = total
