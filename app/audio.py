@@ -6,6 +6,8 @@ from typing import Any
 
 import av
 
+from ..models.mediafile import open_media
+
 _COPIED = {
     "mp4": {"aac", "mp3", "mp3float", "ac3", "eac3", "alac", "opus", "libopus", "flac", "mp2", "mp2float"},
     "mov": {"aac", "mp3", "mp3float", "ac3", "alac", "pcm_s16le", "pcm_s24le"},
@@ -18,7 +20,7 @@ class AudioCopy:
 
     def __init__(self, source: Path, container: Any) -> None:
         """Adds a stream to ``container``, which must not have been written to."""
-        self._source: Any = av.open(str(source))
+        self._source: Any = open_media(source)
         self._container = container
         self._encoder: Any = None
         self._packets: Any = iter(())

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..models.wholefile import open_ordinary
 from ..render.camera import Camera
-from .errors import InputError
+from .errors import InputError, brief
 
 _NUMBERS = ("fx", "fy", "cx", "cy")
 _SIZE = ("width", "height")
@@ -19,9 +20,10 @@ def load_camera(path: Path) -> Camera:
     Raises InputError, which says what is wrong with the file.
     """
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise InputError(f"{path}: larger than {_MAX_BYTES >> 20} MB, as no camera is; see docs/commands.md")
-        said = json.loads(path.read_text("utf-8"))
+        with open_ordinary(path) as (file, size):
+            if size > _MAX_BYTES:
+                raise InputError(f"{path}: larger than {_MAX_BYTES >> 20} MB, as no camera is; see docs/commands.md")
+            said = json.loads(file.read(_MAX_BYTES).decode("utf-8"))
         if not isinstance(said, dict):
             raise ValueError("no JSON object")
         missing = [key for key in (*_NUMBERS, *_SIZE, "world_to_camera") if key not in said]
@@ -35,9 +37,9 @@ def load_camera(path: Path) -> Camera:
         width, height = (int(said[key]) for key in _SIZE)
         return Camera(*(float(said[key]) for key in _NUMBERS), width=width, height=height, world_to_camera=matrix)
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path") from error
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
-        raise InputError(f"{path}: not a camera ({error}); see `fit` in docs/commands.md") from error
+        raise InputError(f"{path}: not a camera ({brief(error)}); see `fit` in docs/commands.md") from error
 
 
 def scaled(camera: Camera, width: int, height: int) -> Camera:

@@ -12,7 +12,15 @@ class ExitCode(IntEnum):
     INPUT = 3
     NO_FACE = 4
     OUTPUT = 5
+    ALTERED = 6
+    UNSIGNED = 7
     INTERRUPTED = 130
+
+
+def brief(error: object) -> str:
+    """What an error says, on one line of at most 200 characters: hostile files put themselves into messages."""
+    line = " ".join(str(error).split())
+    return line if len(line) <= 200 else f"{line[:197]}..."
 
 
 class CommandError(Exception):

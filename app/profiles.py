@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
 from ..models.driver.features import DIMENSION, FEATURE_VERSION
 from ..models.driver.networks import SHA256
 from ..models.driver.neutral import NeutralChoice
-from ..models.wholefile import open_ordinary, write_whole
-from .errors import InputError, OutputError
+from ..models.wholefile import write_whole
+from .errors import InputError, OutputError, brief
 from .library import user_folder
 from .restface import Resting
+from .tensorfile import Tensors, read_tensor_file
 
 FORMAT = "gemheads-neutral 1"
 NETWORKS = hashlib.sha256("".join(SHA256[name] for name in sorted(SHA256)).encode()).hexdigest()[:16]
@@ -76,9 +76,9 @@ def kept_cameras(folder: Path | None = None) -> list[str]:
     names = []
     for path in sorted((folder or user_folder().parent / "neutrals").glob("*.safetensors")):
         try:
-            with safe_open(path, framework="numpy") as file:
-                names.append((file.metadata() or {}).get("camera", ""))
-        except (OSError, SafetensorError):
+            metadata, _ = read_tensor_file(path, LARGEST)
+            names.append(metadata.get("camera", ""))
+        except (OSError, ValueError):
             continue  # told in full when it is asked for
     return sorted(name for name in names if name)
 
@@ -89,17 +89,12 @@ def load_profile(camera: str, folder: Path | None = None) -> Profile | None:
     if not path.exists():
         return None
     try:
-        with open_ordinary(path) as (_, size):
-            if size > LARGEST:
-                raise InputError(f"{path}: {size} bytes are no neutral; delete the file and press N")
-        with safe_open(path, framework="numpy") as file:
-            about = file.metadata() or {}
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118 (no mapping)
-    except (OSError, SafetensorError) as error:
-        raise InputError(f"{path}: no readable neutral ({error}); delete the file and press N") from error
+        about, tensors = read_tensor_file(path, LARGEST)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: no readable neutral ({brief(error)}); delete the file and press N") from error
     if about.get("format") != FORMAT:
         raise InputError(f"{path}: not a neutral of this program; delete the file and press N")
-    taken = about.get("taken", "an unknown day")
+    taken = brief(about.get("taken", "an unknown day"))
     if about.get("feature_version") != str(FEATURE_VERSION):
         return Profile(
             None, np.empty(0, np.float32), f"Your neutral of {taken} is from another version: press N to take it again."
@@ -107,7 +102,7 @@ def load_profile(camera: str, folder: Path | None = None) -> Profile | None:
     return _checked(path, tensors, taken, about.get("networks") == NETWORKS)
 
 
-def _checked(path: Path, tensors: dict[str, NDArray[np.floating]], taken: str, same_networks: bool) -> Profile:
+def _checked(path: Path, tensors: Tensors, taken: str, same_networks: bool) -> Profile:
     wanted = {"features": ((DIMENSION,), "float32"), "rotation": ((3,), "float64"), "noise": ((DIMENSION,), "float32")}
     for name, (shape, dtype) in wanted.items():
         tensor = tensors.get(name)

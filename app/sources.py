@@ -10,11 +10,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.picturefile import decode_picture
+from ..models.wholefile import open_ordinary
 from .errors import InputError
 from .frames import Frame
 from .video import VideoFile
 
 IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff"})
+MAX_PICTURE_BYTES = 2**28
 
 
 class Source(Protocol):
@@ -79,14 +82,15 @@ class Images:
 
 def read_image(path: Path) -> NDArray[np.uint8]:
     """[H, W, 3] sRGB of one picture, turned upright by its EXIF tag. Raises InputError."""
-    import cv2
-
-    # imdecode on bytes, not imread: file names outside the system's code page work everywhere.
+    # on bytes, not by name: file names outside the system's code page work everywhere
     try:
-        data = np.frombuffer(path.read_bytes(), np.uint8)
+        with open_ordinary(path) as (file, size):
+            if size > MAX_PICTURE_BYTES:
+                raise InputError(f"{path}: larger than {MAX_PICTURE_BYTES >> 20} MB; convert it to JPEG")
+            image = decode_picture(file.read(size))
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from error
-    image = cv2.imdecode(data, cv2.IMREAD_COLOR_RGB) if len(data) else None
+        said = error.strerror or error
+        raise InputError(f"{path}: cannot be read ({said}); check the path and its permissions") from error
     if image is None:
         raise InputError(f"{path}: is not a picture that can be decoded; convert it to PNG or JPEG")
     return np.asarray(image, np.uint8)

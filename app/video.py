@@ -1,6 +1,7 @@
 """Reading a video file: upright frames with the file's own timestamps."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,6 +11,7 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.mediafile import open_media, rate_of
 from .errors import InputError
 from .frames import Frame
 
@@ -28,7 +30,7 @@ class VideoFile:
         with open_container(path) as container:
             stream = video_stream(container, path)
             self.time_base: Fraction = stream.time_base or Fraction(1, 1000)
-            self.rate = Fraction(stream.average_rate or stream.guessed_rate or 30)
+            self.rate = rate_of(stream)
             self.frame_count: int | None = _expected_frames(stream, self.rate)
             self.has_audio = bool(container.streams.audio)
         first = next(self.frames())
@@ -37,7 +39,7 @@ class VideoFile:
     def frames(self) -> Iterator[Frame]:
         """All frames in order of presentation; damaged packets are passed over. Raises InputError without any."""
         last: int | None = None
-        with open_container(self.path) as container:
+        with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
             stream.thread_type = "AUTO"
             for picture in decoded(container, stream):
@@ -61,7 +63,7 @@ class VideoFile:
         """By decoding from the beginning, converting only what is kept."""
         step = max(1, min(self.frame_count or WHOLE_CLIP_FRAMES, WHOLE_CLIP_FRAMES) // count)
         frames: list[Frame] = []
-        with open_container(self.path) as container:
+        with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
             stream.thread_type = "AUTO"
             for index, picture in enumerate(decoded(container, stream)):
@@ -74,7 +76,7 @@ class VideoFile:
 
     def _key_frames(self, count: int) -> list[Frame]:
         found: dict[int, Frame] = {}
-        with open_container(self.path) as container:
+        with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
             if not stream.duration:
                 return []
@@ -102,7 +104,7 @@ def open_container(path: Path) -> Any:
     try:
         if path.stat().st_size == 0:
             raise InputError(f"{path}: the file is empty (0 bytes); copy it again")
-        return av.open(str(path))
+        return open_media(path)
     except av.error.FFmpegError as error:
         raise InputError(f"{path}: not a readable video ({error.strerror}); give mp4, mov, mkv or webm") from error
     except OSError as error:
@@ -113,9 +115,21 @@ def video_stream(container: Any, path: Path) -> Any:
     """The first stream that is a video and no cover picture. Raises InputError without one."""
     attached = getattr(av.stream.Disposition, "attached_pic", 0)
     for stream in container.streams.video:
-        if not stream.disposition & attached:
-            return stream
+        if stream.disposition & attached:
+            continue
+        if stream.codec_context is None:
+            raise InputError(f"{path}: its video is of a kind that cannot be decoded here; convert it to H.264 in mp4")
+        return stream
     raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Turns what the decoder refuses into one line."""
+    try:
+        yield
+    except av.error.FFmpegError as error:
+        raise InputError(f"{path}: cannot be read any further ({error.strerror}); copy or convert it again") from error
 
 
 def _expected_frames(stream: Any, rate: Fraction) -> int | None:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..models.arkit import NAMES
 from ..models.wholefile import open_ordinary, write_whole
-from .errors import InputError, OutputError
+from .errors import InputError, OutputError, brief
+from .tensorfile import read_json, read_ratio, read_tensor_file
 
 FORMAT = "gemheads-weights"
 VERSION = 1
@@ -63,26 +64,13 @@ def save_weights(track: WeightsTrack, path: Path) -> None:
 
 def load_weights(path: Path) -> WeightsTrack:
     """Read a performance. Raises InputError, which says what is wrong, for what ``save_weights`` did not write."""
-    from safetensors import SafetensorError
-    from safetensors.numpy import load
-
     try:
-        with open_ordinary(path) as (file, size):
-            if size > MAX_BYTES:
-                raise InputError(f"{path}: larger than {MAX_BYTES >> 20} MB, as no performance is; give another file")
-            content = file.read(MAX_BYTES)
-        return _checked(_about(content), load(content))
+        metadata, tensors = read_tensor_file(path, MAX_BYTES)
+        return _checked(read_json(metadata[FORMAT]), tensors)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path") from error
-    except (SafetensorError, ValueError, KeyError, TypeError, ZeroDivisionError, RecursionError) as error:
-        raise InputError(f"{path}: not a performance in ARKit weights ({error}); give another file") from error
-
-
-def _about(content: bytes) -> object:
-    """What the header tells beside the tensors: safetensors begins with its length, 8 bytes, and itself, JSON."""
-    length = int.from_bytes(content[:8], "little")
-    header = json.loads(content[8 : 8 + min(length, len(content))])
-    return json.loads(header["__metadata__"][FORMAT])
+    except (ValueError, KeyError) as error:
+        raise InputError(f"{path}: not a performance in ARKit weights ({brief(error)}); give another file") from error
 
 
 def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> WeightsTrack:
@@ -101,7 +89,7 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> WeightsT
         raise ValueError(f"the head turns further than {MAX_TURN} radians")
     if len(pts) == 0 or (pts[1:] <= pts[:-1]).any():
         raise ValueError("no frames, or times that do not rise")
-    name, time_base = str(about["name"]), Fraction(str(about["time_base"]))
-    if not 0 < len(name) <= 80 or not 0 < time_base <= 1:
+    name, time_base = str(about["name"]), read_ratio(about["time_base"])
+    if not 0 < len(name) <= 80 or time_base > 1:
         raise ValueError("a name of 1 to 80 characters and a time base above 0 are needed")
     return WeightsTrack(name, time_base, pts, weights, turn)

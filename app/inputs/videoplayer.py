@@ -9,6 +9,7 @@ from typing import Any
 
 import av
 
+from ...models.mediafile import rate_of
 from ..frames import Frame
 from ..video import decoded, open_container, upright_rgb, video_stream
 from .source import Kind, SourceLost, TimedFrame
@@ -32,8 +33,7 @@ class VideoPlayer:
         self._path, self._clock = path, clock
         self.drops = 0
         self._open()
-        rate = self._stream.average_rate or self._stream.guessed_rate or Fraction(30)
-        self._frame_secs = 1 / float(rate)
+        self._frame_secs = 1 / float(rate_of(self._stream))
         duration = self._stream.duration * self._tick if self._stream.duration else None
         if duration is None and self._container.duration:
             duration = self._container.duration / av.time_base

@@ -61,7 +61,8 @@ def open_session(model: bytes, what: str) -> ort.InferenceSession:
     try:
         return ort.InferenceSession(model, options, providers=list(PROVIDERS))
     except Exception as error:  # onnxruntime raises a dozen unrelated classes
-        raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {str(error)[:300]}") from error
+        said = " ".join(str(error).split())[:300]
+        raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {said}") from error
 
 
 class Network:

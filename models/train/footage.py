@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..driver.face import FaceTracker
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..driver.neutral import choose_neutral
+from ..mediafile import open_media
 
 EVERY_SECS = 0.1
 """Frames nearer than this to the last one are left out: they say the same."""
@@ -33,7 +34,7 @@ def read_footage(
 def _read(path: Path) -> NDArray[np.float32]:
     tracker, faces, times = FaceTracker(), [], []
     try:
-        with av.open(str(path)) as container:
+        with open_media(path) as container:
             for frame in container.decode(video=0):
                 if times and frame.time is not None and frame.time - times[-1] < EVERY_SECS:
                     continue
