@@ -56,6 +56,8 @@ def loss_curve(steps: NDArray[np.floating], losses: NDArray[np.floating]) -> Pix
     for step in np.linspace(first, last, 6):
         x = int(place(np.array([step]), np.array([low]))[0, 0])
         _write(picture, f"{step:.0f}", (x - 14, height - 14))
+    _write(picture, "loss", (8, 14))
+    _write(picture, "step", (8, height - 14))
     for x, y in place(steps, logs):
         cv2.circle(picture, (int(x), int(y)), 1, _DOTS, -1)
     window = max(1, len(logs) // 40)

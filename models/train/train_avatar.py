@@ -151,6 +151,8 @@ class Trainer:
 
     def resume(self) -> None:
         """Go back to the folder's checkpoint, or make the first one. Raises RunError, OSError."""
+        for half_written in self.folder.glob(f".{CHECKPOINT}.*.partial"):
+            half_written.unlink()
         state = read_checkpoint(self.folder)
         if state is None:
             self._keep()

@@ -1,0 +1,216 @@
+"""Training a CNN avatar: it learns, it survives kills and faults, and its run can be distilled."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+sys.path.insert(0, str(Path(__file__).parent))
+
+from gemheads.models.captures.layout import Tracked  # noqa: E402
+from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
+from gemheads.models.importers.adopt import adopt  # noqa: E402
+from gemheads.models.train.deck import Deck, spaced  # noqa: E402
+from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
+from gemheads.models.train.plan import PRESETS, Plan  # noqa: E402
+from gemheads.models.train.run_source import run_source  # noqa: E402
+from gemheads.models.train.runs import CHECKPOINT, RunError, open_run, read_checkpoint  # noqa: E402
+from gemheads.models.train.train_avatar import PATIENCE, RETURNS, train_avatar  # noqa: E402
+from toycapture import write_capture  # noqa: E402
+
+BRIEF = Plan(
+    32, 4, 2, steps=30, colors_first=8, checkpoint_every=5, preview_every=15, perceptual_every=2, perceptual_side=24
+)
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Capture:
+    return open_capture(write_capture(tmp_path_factory.mktemp("toy") / "capture"))
+
+
+@pytest.fixture(scope="module")
+def trained(capture: Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    train_avatar(capture, folder, BRIEF, Perceptual(TINY))
+    return folder
+
+
+def flat(value: object) -> Iterator[tuple[str, "torch.Tensor"]]:
+    """Every tensor of a checkpoint, and every number as one."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from ((f"{key}.{name}", tensor) for name, tensor in flat(inner))
+    elif isinstance(value, list):
+        yield from flat(dict(enumerate(value)))
+    elif isinstance(value, torch.Tensor | int | float):
+        yield "", torch.as_tensor(value)
+
+
+def assert_identical(first: Path, second: Path) -> None:
+    one, two = (dict(flat(read_checkpoint(folder))) for folder in (first, second))
+    assert one.keys() == two.keys()
+    assert len(one) > 50
+    for name, tensor in one.items():
+        assert torch.equal(tensor, two[name]), name
+
+
+def test_thirty_steps_learn(trained: Path) -> None:
+    rows = np.genfromtxt(trained / "loss.csv", delimiter=",", names=True)
+    assert len(rows) == 30
+    l1 = rows["l1"]
+    assert l1[:2].mean() > 2 * l1[-5:].mean()
+    assert l1[-5:].mean() < l1[6:9].mean()  # more than its colours
+    assert (rows["vgg"][::2] > 0).all()
+    assert not rows["vgg"][1::2].any()
+    assert {path.name for path in (trained / "previews").iterdir()} == {"000015.png", "000030.png"}
+    assert (trained / "loss.png").stat().st_size > 1000
+
+
+def test_killed_at_any_moment_it_comes_to_the_same(capture: Capture, trained: Path, tmp_path: Path) -> None:
+    code = (
+        "import sys, pathlib\n"
+        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from test_train_avatar import BRIEF, TINY, Perceptual, open_capture, train_avatar\n"
+        f"train_avatar(open_capture(pathlib.Path({str(capture.folder)!r})), pathlib.Path({str(tmp_path)!r}),"
+        " BRIEF, Perceptual(TINY))\n"
+    )
+    training = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "PYTEST_ADDOPTS": ""})
+    until = time.monotonic() + 120
+    while (state := read_checkpoint(tmp_path)) is None or state["step"] < 10:
+        assert training.poll() is None, "it ended before it could be killed"
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    training.send_signal(signal.SIGKILL)
+    assert training.wait(20) == -signal.SIGKILL
+    assert read_checkpoint(tmp_path)["step"] < 30
+    (tmp_path / ".checkpoint.pt.1.partial").write_bytes(b"half")
+    outcome = train_avatar(capture, tmp_path, BRIEF, Perceptual(TINY))
+    assert outcome.steps == 30
+    assert_identical(tmp_path, trained)
+    assert (tmp_path / "loss.csv").read_bytes() == (trained / "loss.csv").read_bytes()
+    assert not list(tmp_path.glob(".*partial"))
+
+
+def test_a_finished_run_stays_as_it_is(capture: Capture, trained: Path) -> None:
+    before = (trained / CHECKPOINT).read_bytes()
+    outcome = train_avatar(capture, trained, BRIEF, Perceptual(TINY))
+    assert (trained / CHECKPOINT).read_bytes() == before
+    assert outcome.skipped == 0
+
+
+def test_other_settings_are_another_run(capture: Capture, trained: Path) -> None:
+    with pytest.raises(RunError, match="other settings"):
+        train_avatar(capture, trained, replace(BRIEF, seed=1), Perceptual(TINY))
+
+
+def poisoned(capture: Capture, monkeypatch: pytest.MonkeyPatch, timesteps: set[int]) -> None:
+    sound = Capture.tracked
+
+    def tracked(self: Capture, timestep: int) -> Tracked:
+        found = sound(self, timestep)
+        bad = timestep in timesteps
+        return replace(found, vertices=np.full_like(found.vertices, np.nan)) if bad else found
+
+    monkeypatch.setattr(Capture, "tracked", tracked)
+
+
+def test_a_step_that_is_not_finite_is_skipped(
+    capture: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    poisoned(capture, monkeypatch, {3})
+    plan = replace(BRIEF, steps=12, preview_every=100)
+    outcome = train_avatar(replace(capture, val=(), test=()), tmp_path, plan)
+    assert outcome.skipped == 2  # six moments, so each comes twice
+    assert outcome.restored == 0
+    assert np.isfinite(outcome.loss)
+    state = read_checkpoint(tmp_path)
+    assert state is not None
+    assert all(torch.isfinite(tensor).all() for tensor in state["avatar"].values())
+
+
+def test_weights_that_went_bad_are_taken_back(
+    capture: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from gemheads.models.train.drawing import Stage
+
+    plan = replace(BRIEF, steps=20, preview_every=100)
+    sound, calls = Stage.splats, []
+
+    def splats(self: Stage, timestep: int, bare: bool = False) -> object:
+        calls.append(timestep)
+        if len(calls) == 11:
+            with torch.no_grad():
+                self.avatar.colors.fill_(float("nan"))
+        return sound(self, timestep, bare)
+
+    monkeypatch.setattr(Stage, "splats", splats)
+    outcome = train_avatar(capture, tmp_path, plan)
+    assert (outcome.skipped, outcome.restored) == (PATIENCE, 1)
+    assert np.isfinite([outcome.loss, outcome.val_psnr]).all()
+
+
+def test_a_capture_that_cannot_be_drawn_is_given_up(
+    capture: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    poisoned(capture, monkeypatch, set(capture.meshes))
+    with pytest.raises(RunError, match=f"{PATIENCE * (RETURNS + 1)} steps in a row"):
+        train_avatar(capture, tmp_path, replace(BRIEF, steps=100))
+
+
+def test_a_run_answers_meshes_and_can_be_distilled(capture: Capture, trained: Path) -> None:
+    run = open_run(trained)
+    source = run_source(run)
+    assert source.count == len(capture.timesteps("train")) == 6
+    frames = list(source.frames())
+    assert np.abs(frames[0].positions - frames[1].positions).max() > 1e-3
+    assert source.performance is not None
+    assert source.performance.shape == (6, 52)
+    gem, distilled = adopt(source, "toy", components=5)
+    assert len(gem) == len(run.texels)
+    assert distilled.variance_kept["position"][-1] > 0.99
+    composed = gem.compose(gem.project(frames[2]))
+    assert np.abs(composed.positions - frames[2].positions).max() < 1e-3
+
+
+def test_faults_of_a_folder_are_named(trained: Path, tmp_path: Path) -> None:
+    with pytest.raises(RunError, match="is no training run"):
+        open_run(tmp_path)
+    (tmp_path / "config.json").write_bytes((trained / "config.json").read_bytes())
+    with pytest.raises(RunError, match="nothing learned"):
+        open_run(tmp_path)
+    (tmp_path / CHECKPOINT).write_bytes((trained / CHECKPOINT).read_bytes()[:1000])
+    with pytest.raises(RunError, match="is broken"):
+        open_run(tmp_path)
+    (tmp_path / "config.json").write_text('{"version": 7}')
+    with pytest.raises(RunError, match="version 7"):
+        open_run(tmp_path)
+    (tmp_path / "config.json").write_text('{"version": 1, "plan": []}')
+    with pytest.raises(RunError, match="cannot be understood"):
+        open_run(tmp_path)
+
+
+def test_every_moment_is_dealt_once_before_one_comes_again(capture: Capture) -> None:
+    deck = Deck(capture.train, hand=2, seed=3)
+    rounds = [[deck.dealt(step)[0].timestep for step in range(6 * turn, 6 * turn + 6)] for turn in (0, 1, 2)]
+    assert all(sorted(order) == list(range(6)) for order in rounds)
+    assert rounds[0] != rounds[1]
+    again = Deck(capture.train, hand=2, seed=3)
+    assert [shot.picture for shot in again.dealt(13)] == [shot.picture for shot in deck.dealt(13)]
+    assert len({shot.camera_index for shot in deck.dealt(4)}) == 2
+    assert len(Deck(capture.train, hand=9, seed=0).dealt(0)) == 4
+    assert [shot.timestep for shot in spaced(capture.val, 3)] == [0, 2, 5]
+
+
+def test_presets_can_be_built_and_changed() -> None:
+    for plan in PRESETS.values():
+        assert plan.size % 2**plan.levels == 0
+    short = PRESETS["tiny"].changed(steps=50, perceptual=False, seed=4)
+    assert (short.steps, short.colors_first, short.perceptual, short.seed) == (50, 5, 0, 4)
