@@ -1,0 +1,256 @@
+"""Refinement: an avatar's bases are changed until its pictures are those that were taken (section 3.1, equation 2).
+
+Every step draws one moment as one camera saw it. Now and then the bases are made orthonormal again, without any picture
+changing, and the avatar is looked at by cameras that nothing was learned from: the best one so far is kept.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from ...render.diff.rasterize import rasterize
+from ...render.diff.tensors import activate
+from ..captures.layout import Shot
+from ..captures.reader import Capture
+from ..gem import MODALITIES, Gem
+from .deck import Deck, spaced
+from .freegem import FreeGem
+from .losses import photometric, psnr
+from .perceptual import Perceptual
+from .torchgem import pose_head
+from .views import View, views_of
+
+Floats = NDArray[np.float32]
+Progress = Callable[[str, int, int], None]
+
+RATES = {"position": 2e-5, "rotation": 5e-4, "scale": 5e-4, "opacity": 1e-3}
+"""Adam's steps for means and components: metres, quaternions, ln metres and logits of a splat."""
+COLOUR_RATE = 1e-3
+COEFFICIENT_RATE = 0.01
+"""Of a coefficient's sigma."""
+LAST_RATE = 0.05
+"""Steps fall to this share by the end, along a cosine."""
+JUDGED = 24
+"""Pictures that tell whether it has become better."""
+GROUNDS = 0.5
+"""So often a picture with a mask is laid on a colour drawn by lot: splats in the background's colour give themselves
+away."""
+
+
+@dataclass(frozen=True)
+class RefineEffort:
+    """What to change, and how long."""
+
+    iterations: int = 3000
+    """The paper takes 30,000."""
+    interval: int = 1000
+    """Steps from one QR to the next; a tenth of a short run."""
+    coefficients: bool = True
+    """Whether the moments' coefficients are free, too."""
+    colors: bool = True
+    """Whether the colours are: one for each splat, the same in every frame."""
+    perceptual_weight: float = 0.1
+    """Zeta of equation 2; without a network it does not count."""
+    perceptual_every: int = 4
+    perceptual_side: int = 96
+    """The network sees a part so many pixels wide, so seldom."""
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """What became of an avatar."""
+
+    gem: Gem
+    """The better one: the same object as before where nothing improved."""
+    coefficients: Mapping[int, Floats]
+    """Timestep -> [coefficients] of the training moments, in ``gem``'s units."""
+    before: float
+    """Decibels on pictures that nothing was learned from, before ..."""
+    after: float
+    """... and of the best that was found."""
+    curve: tuple[tuple[int, float], ...]
+    """Steps done and decibels there."""
+    losses: tuple[float, ...]
+    """Equation 2, step by step."""
+    iterations: int
+    """How many were done."""
+    stopped: bool
+    """By Ctrl-C, before all were done."""
+
+    @property
+    def improved(self) -> bool:
+        """Whether the avatar changed."""
+        return self.after > self.before
+
+
+def refine(
+    gem: Gem,
+    capture: Capture,
+    coefficients: Mapping[int, Floats],
+    effort: RefineEffort = RefineEffort(),
+    perceptual: Perceptual | None = None,
+    progress: Progress = lambda stage, done, total: None,
+    device: torch.device | str = "cpu",
+) -> Refinement:
+    """Equation 2 on a capture's training pictures, for bases, means, and if wanted coefficients and colours.
+
+    Args:
+        gem: distilled from this person.
+        capture: its ``val`` pictures judge; without any, every tenth training picture is set aside for that.
+        coefficients: timestep -> where each training moment begins; moments without any are left out.
+        effort: what, and how long.
+        perceptual: equation 2's network; None leaves that term out.
+        progress: told the stage, steps done and steps in all.
+        device: where it is computed.
+
+    Raises:
+        ValueError: where no training picture has coefficients, or they do not belong to the avatar.
+        FloatingPointError: where a loss is not finite.
+        CaptureError: where the capture changed since it was opened.
+    """
+    run = _Run(gem, capture, coefficients, effort, perceptual, torch.device(device))
+    return run.refined(progress)
+
+
+class _Run:
+    def __init__(
+        self,
+        gem: Gem,
+        capture: Capture,
+        coefficients: Mapping[int, Floats],
+        effort: RefineEffort,
+        perceptual: Perceptual | None,
+        device: torch.device,
+    ) -> None:
+        self._gem, self._capture, self._effort, self._perceptual = gem, capture, effort, perceptual
+        self._device = device
+        learned, self._judges = _split(capture, coefficients)
+        for timestep, values in coefficients.items():
+            if values.shape != (gem.coefficient_count,):
+                raise ValueError(
+                    f"'{gem.name}' has {gem.coefficient_count} coefficients, moment {timestep} {values.shape}"
+                )
+        self._deck = Deck(learned, 1, effort.seed)
+        self._place = {timestep: index for index, timestep in enumerate(sorted({s.timestep for s in learned}))}
+        begin = np.stack([coefficients[timestep] for timestep in self._place])
+        self.free = FreeGem(gem, begin, device)
+        self._neck_weights = torch.from_numpy(gem.neck_weights).to(device)
+        self._pivot = torch.from_numpy(np.asarray(gem.neck_pivot, np.float32)).to(device)
+        self._optimizer = self._adam()
+
+    def refined(self, progress: Progress) -> Refinement:
+        effort, interval = self._effort, min(self._effort.interval, max(1, self._effort.iterations // 10))
+        before = self.quality()
+        best, kept, done = before, None, 0
+        curve, losses, stopped = [(0, before)], [], False
+
+        def judge() -> None:
+            nonlocal best, kept
+            self.free.orthonormalise()
+            curve.append((done, self.quality()))
+            if curve[-1][1] > best:
+                best, kept = curve[-1][1], self.free.state()
+
+        try:
+            for step in range(effort.iterations):
+                losses.append(self._step(step))
+                done = step + 1
+                progress("refine", done, effort.iterations)
+                if done % interval == 0 or done == effort.iterations:
+                    judge()
+        except KeyboardInterrupt:
+            stopped = True
+            if curve[-1][0] < done:
+                judge()
+        answer, found = self._gem, self.free.began
+        if kept is not None:
+            self.free.restore(kept)
+            answer, found = self.free.finished()
+        moments = {timestep: found[index].astype(np.float32) for timestep, index in self._place.items()}
+        return Refinement(answer, moments, before, best, tuple(curve), tuple(losses), done, stopped)
+
+    @torch.no_grad()
+    def quality(self) -> float:
+        """Mean PSNR of the pictures that judge."""
+        values = []
+        for shot in self._judges:
+            view = self._view(shot, self._capture.background)
+            values.append(psnr(self._drawn(shot, view).clamp(0, 1), view.picture))
+        return float(np.mean(values))
+
+    def _step(self, step: int) -> float:
+        effort, lot = self._effort, self._deck.lot(step)
+        share = step / effort.iterations
+        for group in self._optimizer.param_groups:
+            group["lr"] = group["rate"] * (LAST_RATE + (1 - LAST_RATE) * 0.5 * (1 + np.cos(np.pi * share)))
+        (shot,) = self._deck.dealt(step)
+        ground = lot.uniform(size=3) if lot.uniform() < GROUNDS else self._capture.background
+        view = self._view(shot, ground)
+        image = self._drawn(shot, view)
+        loss = photometric(image, view.picture)
+        if self._perceptual is not None and step % effort.perceptual_every == 0:
+            seen, wanted = _parts((image, view.picture), effort.perceptual_side, lot)
+            weight = effort.perceptual_weight * effort.perceptual_every
+            loss = loss + weight * self._perceptual.feature_loss(seen, wanted)
+        value = float(loss.detach())
+        if not np.isfinite(value):
+            raise FloatingPointError(f"the loss of step {step} is {value}: picture {shot.picture}")
+        self._optimizer.zero_grad()
+        loss.backward()
+        self._optimizer.step()
+        with torch.no_grad():
+            self.free.colors.clamp_(0, 1)
+        return value
+
+    def _drawn(self, shot: Shot, view: View) -> Tensor:
+        tracked = self._capture.tracked(shot.timestep)
+        raw = self.free.compose(self._place[shot.timestep])
+        turn, move = (torch.from_numpy(x).to(self._device) for x in (tracked.rotation, tracked.translation))
+        posed = pose_head(raw, self._neck_weights, self._pivot, turn, move)
+        return rasterize(activate(posed), view.camera, view.background)
+
+    def _view(self, shot: Shot, ground: Sequence[float] | NDArray[np.float64]) -> View:
+        rgba = self._capture.read(shot)
+        if rgba[..., 3].min() == 255:  # no mask: what is behind belongs to the picture
+            ground = self._capture.background
+        view = views_of([rgba], [shot.camera], ground)[0]
+        return View(view.picture.to(self._device), view.camera, view.background.to(self._device))
+
+    def _adam(self) -> torch.optim.Optimizer:
+        free, effort = self.free, self._effort
+        groups = [([free.means[name], free.components[name]], RATES[name]) for name in MODALITIES]
+        if effort.colors:
+            groups.append(([free.colors], COLOUR_RATE))
+        if effort.coefficients:
+            groups.append(([free.whitened], COEFFICIENT_RATE))
+        for tensor in free.tensors():
+            tensor.requires_grad_(any(tensor is one for group, _ in groups for one in group))
+        options = [{"params": [x for x in group if x.numel()], "lr": rate, "rate": rate} for group, rate in groups]
+        return torch.optim.Adam(options, fused=True)
+
+
+def _split(capture: Capture, coefficients: Mapping[int, Floats]) -> tuple[list[Shot], list[Shot]]:
+    """What is learned from, and what judges."""
+    learned = [shot for shot in capture.train if shot.timestep in coefficients]
+    if not learned:
+        raise ValueError(f"{capture.folder}: no training picture belongs to a moment with coefficients")
+    moments = {shot.timestep for shot in learned}
+    judges = [shot for shot in capture.val if shot.timestep in moments]
+    if not judges:
+        judges = learned[9::10] or learned[-1:]
+        aside = {shot.picture for shot in judges}
+        learned = [shot for shot in learned if shot.picture not in aside] or learned
+    moments = {shot.timestep for shot in learned}
+    return learned, spaced([shot for shot in judges if shot.timestep in moments] or learned, JUDGED)
+
+
+def _parts(images: Sequence[Tensor], side: int, lot: np.random.Generator) -> list[Tensor]:
+    """The same part [1, 3, side, side] of pictures [H, W, 3], somewhere."""
+    height, width = images[0].shape[:2]
+    top, left = (int(lot.integers(0, max(1, length - side + 1))) for length in (height, width))
+    return [image[top : top + side, left : left + side].permute(2, 0, 1)[None] for image in images]

@@ -1,0 +1,180 @@
+"""Refinement: what it keeps through a QR, what it gains, and that it gives back the better one."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch", reason="refining needs the extra gemheads[train]")
+
+from gemheads.models.captures.baremesh import capture_source  # noqa: E402
+from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
+from gemheads.models.gem import MODALITIES, Gem  # noqa: E402
+from gemheads.models.importers.adopt import adopt  # noqa: E402
+from gemheads.models.posing import pose_head  # noqa: E402
+from gemheads.models.train.freegem import FreeGem  # noqa: E402
+from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
+from gemheads.models.train.refine import RefineEffort, refine  # noqa: E402
+from gemheads.render.software import SoftwareEngine  # noqa: E402
+
+Ball = tuple[Capture, Gem, dict[int, np.ndarray]]
+
+
+@pytest.fixture(scope="module")
+def ball(ball_capture: Path) -> Ball:
+    """The capture, the avatar of its bare mesh, and the moments' coefficients."""
+    capture = open_capture(ball_capture)
+    source = capture_source(capture, 24)
+    gem, _ = adopt(source, "Ball", 4)
+    return capture, gem, dict(zip(source.moments, map(gem.project, source.frames()), strict=True))
+
+
+def drawn(gem: Gem, coefficients: np.ndarray, capture: Capture, index: int) -> np.ndarray:
+    shot = capture.val[index]
+    tracked = capture.tracked(shot.timestep)
+    raw = pose_head(gem.compose(coefficients), gem.neck_weights, gem.neck_pivot, tracked.rotation, tracked.translation)
+    return SoftwareEngine().draw(raw, shot.camera).copy()
+
+
+def test_orthonormal_bases_and_the_same_picture(ball: Ball) -> None:
+    capture, gem, coefficients = ball
+    free = FreeGem(gem, np.stack(list(coefficients.values())))
+    generator = torch.Generator().manual_seed(0)
+    with torch.no_grad():
+        for name in MODALITIES:
+            one = free.components[name]
+            one += 0.3 * one.abs().mean() * torch.randn(one.shape, generator=generator)
+    before = [free.compose(index) for index in range(len(coefficients))]
+    gram = free.components["position"] @ free.components["position"].T
+    assert (gram - torch.eye(len(gram))).abs().max() > 1e-3
+    free.orthonormalise()
+    for name in MODALITIES:
+        basis = free.components[name]
+        assert not len(basis) or (basis @ basis.T - torch.eye(len(basis))).abs().max() < 1e-5
+    finished, found = free.finished()
+    for index, raw in enumerate(before):
+        again = free.compose(index)
+        for one, two in zip(raw, again, strict=True):
+            assert (one - two).abs().max() < 1e-5
+        shot = capture.val[index]
+        fields = (values.detach().numpy() for values in raw)
+        wanted = SoftwareEngine().draw(type(gem.compose(gem.rest_coefficients))(*fields), shot.camera).copy()
+        got = SoftwareEngine().draw(finished.compose(found[index]), shot.camera)
+        assert np.abs(wanted - got).max() < 1e-4
+
+
+def test_what_is_finished_is_like_what_is_distilled(ball: Ball) -> None:
+    _, gem, coefficients = ball
+    begin = np.stack(list(coefficients.values()))
+    free = FreeGem(gem, begin)
+    with torch.no_grad():
+        free.whitened += 0.5  # a mean that is not 0
+        free.components["position"].mul_(1.5)
+    composed = [free.compose(index).positions.detach().numpy() for index in range(len(begin))]
+    finished, found = free.finished()
+    for name in MODALITIES:
+        here = finished.slices[name]
+        if here.stop > here.start:
+            np.testing.assert_allclose(found[:, here].mean(0), 0, atol=1e-5)
+            np.testing.assert_allclose(found[:, here].std(0, ddof=1), finished.sigma[here], rtol=1e-3, atol=1e-5)
+            assert (np.diff(finished.sigma[here]) <= 1e-7).all()
+    for index, positions in enumerate(composed):
+        np.testing.assert_allclose(finished.compose(found[index]).positions, positions, atol=1e-5)
+
+
+def test_rest_and_arkit_map_go_along(ball: Ball) -> None:
+    _, gem, coefficients = ball
+    assert gem.arkit_weights is not None
+    free = FreeGem(gem, np.stack(list(coefficients.values())))
+    with torch.no_grad():
+        for one in free.components.values():
+            one.copy_(one.flip(0) * 1.1)  # another basis of the same space
+    finished, _ = free.finished()
+    weights = np.zeros(52, np.float32)
+    weights[17] = 0.7
+    old, new = gem.arkit_coefficients(weights), finished.arkit_coefficients(weights)
+    reversed_bases = {
+        name: replace(basis, rows=np.ascontiguousarray(np.concatenate([basis.rows[:1], 1.1 * basis.rows[:0:-1]])))
+        for name, basis in gem.bases.items()
+    }
+    wanted = replace(gem, bases=reversed_bases).compose(old)
+    np.testing.assert_allclose(finished.compose(new).positions, wanted.positions, atol=1e-5)
+
+
+def test_held_out_views_improve_and_everything_is_kept_consistent(ball: Ball) -> None:
+    capture, gem, coefficients = ball
+    result = refine(gem, capture, coefficients, RefineEffort(iterations=150))
+    assert result.improved
+    assert result.after > result.before + 1
+    assert len(result.losses) == result.iterations == 150
+    assert np.mean(result.losses[-20:]) < 0.8 * np.mean(result.losses[:20])
+    for basis in result.gem.bases.values():
+        assert np.abs(basis.components @ basis.components.T - np.eye(len(basis))).max(initial=0) < 1e-5
+    qualities = []
+    for index, shot in enumerate(capture.val):
+        rgba = capture.read(shot) / 255.0
+        image = drawn(result.gem, result.coefficients[shot.timestep], capture, index)
+        truth = rgba[..., :3] * rgba[..., 3:] + 1 - rgba[..., 3:]
+        qualities.append(-10 * np.log10(np.mean((image[..., :3] + 1 - image[..., 3:] - truth) ** 2)))
+    assert np.mean(qualities) == pytest.approx(result.after, abs=0.05)
+
+
+def test_the_same_seed_gives_the_same_avatar(ball: Ball) -> None:
+    capture, gem, coefficients = ball
+    one, two = (refine(gem, capture, coefficients, RefineEffort(iterations=12)) for _ in range(2))
+    assert one.losses == two.losses
+    np.testing.assert_array_equal(one.gem.bases["position"].rows, two.gem.bases["position"].rows)
+
+
+def test_what_is_fixed_stays(ball: Ball) -> None:
+    capture, gem, coefficients = ball
+    effort = RefineEffort(iterations=20, coefficients=False, colors=False)
+    result = refine(gem, capture, coefficients, effort, Perceptual(TINY))
+    assert result.improved
+    np.testing.assert_array_equal(result.gem.colors, gem.colors)
+
+
+def test_the_better_one_is_kept(ball: Ball, monkeypatch: pytest.MonkeyPatch) -> None:
+    capture, gem, coefficients = ball
+    monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 0.05))
+    result = refine(gem, capture, coefficients, RefineEffort(iterations=10))
+    assert not result.improved
+    assert result.gem is gem
+    assert result.after == result.before
+    assert min(quality for _, quality in result.curve) < result.before
+    for timestep, values in coefficients.items():
+        np.testing.assert_array_equal(result.coefficients[timestep], values)
+
+
+def test_stopped_it_gives_what_it_has(ball: Ball) -> None:
+    capture, gem, coefficients = ball
+
+    def stop(stage: str, done: int, total: int) -> None:
+        if done == 60:
+            raise KeyboardInterrupt
+
+    result = refine(gem, capture, coefficients, RefineEffort(iterations=1000), progress=stop)
+    assert (result.stopped, result.iterations) == (True, 60)
+    assert result.improved
+
+
+def test_without_a_held_out_camera_pictures_are_set_aside(ball: Ball) -> None:
+    capture, gem, coefficients = ball
+    result = refine(gem, replace(capture, val=()), coefficients, RefineEffort(iterations=40))
+    assert result.improved
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda k: {}, "no training picture"),
+        (lambda k: {99: next(iter(k.values()))}, "no training picture"),
+        (lambda k: {t: v[:3] for t, v in k.items()}, r"coefficients, moment 0 \(3,\)"),
+    ],
+)
+def test_moments_that_do_not_fit_are_refused(ball: Ball, spoil: Callable[[dict], dict], said: str) -> None:
+    capture, gem, coefficients = ball
+    with pytest.raises(ValueError, match=said):
+        refine(gem, capture, spoil(coefficients), RefineEffort(iterations=1))
