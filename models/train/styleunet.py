@@ -76,9 +76,10 @@ class StyledConv(nn.Module):
         scale = self.scale(style)
         # scaling the maps in place of the weights lets a batch share one convolution
         power = scale.square() @ self.conv.weight.square().sum((2, 3)).T
-        maps = self.conv(maps * scale[..., None, None]) * torch.rsqrt(power + 1e-8)[..., None, None]
-        # the rectifier halves the power of what goes through
-        return 2**0.5 * functional.leaky_relu(maps + self.bias[:, None, None], SLOPE)
+        # twice the power, of which the rectifier leaves half
+        even = torch.rsqrt(power / 2 + 1e-8)
+        maps = self.conv(maps * scale[..., None, None]) * even[..., None, None]
+        return functional.leaky_relu(maps + self.bias[:, None, None], SLOPE)
 
 
 def _doubled(maps: Tensor) -> Tensor:
