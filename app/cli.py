@@ -5,7 +5,7 @@ import sys
 
 from cyclopts import App, CycloptsError
 
-from .commands import avatars, driven, live, machine
+from .commands import avatars, driven, learning, live, machine
 from .errors import CommandError, ExitCode
 
 EXIT_CODES = """Exit codes: 0 done, 1 unexpected failure, 2 wrong usage, 3 an input cannot be used, 4 no face anywhere,
@@ -22,6 +22,7 @@ app = App(
 for command in (
     *(live.live, driven.reenact, driven.demo, driven.track),
     *(avatars.info, avatars.modes, avatars.export, avatars.distill, avatars.fit, avatars.train_regressor),
+    learning.train,
     *(machine.bench, machine.doctor),
 ):
     app.command(command)
