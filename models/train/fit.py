@@ -121,6 +121,7 @@ def fit(
     start: Start | None = None,
     effort: Effort = FIRST,
     prior: float = 0.02,
+    around: HeadPose | None = None,
 ) -> Fit:
     """Find the expression and the pose of an avatar in one picture or in several of the same moment.
 
@@ -133,12 +134,13 @@ def fit(
         effort: FIRST, NEXT for a frame with a start, THOROUGH, or one's own.
         prior: weight of the mean squared distance from rest in sigmas, against the squared difference in NOISEs. From
             one view many coefficients cannot be seen: without it they wander.
+        around: where a tracker saw the head, from where the prior counts its way; None is its place at rest.
 
     Raises:
         ValueError: where pictures and cameras do not belong together or a start does not belong to the avatar.
     """
     started = time.perf_counter()
-    problem = _Problem(gem, views_of(pictures, cameras, background), prior)
+    problem = _Problem(gem, views_of(pictures, cameras, background), prior, around)
     unknown = problem.whitened(start)
     energies, memory = [], () if start is None else start.memory
     for stage in effort.stages:
@@ -160,7 +162,7 @@ def fit(
 class _Problem:
     """The pictures, the avatar, and the whitened unknowns: coefficients, turn, move behind one another."""
 
-    def __init__(self, gem: Gem, views: list[View], prior: float) -> None:
+    def __init__(self, gem: Gem, views: list[View], prior: float, around: HeadPose | None) -> None:
         self.gem, self.views, self.prior = gem, views, prior
         self.count = gem.coefficient_count
         self._torch = TorchGem.of(gem)
@@ -168,6 +170,7 @@ class _Problem:
         self.sigma = self._torch.sigma
         # turning about the neck also carries the head away: about its middle the two are told apart more easily
         self._arm = torch.tensor(gem.viewing.target, dtype=torch.float32) - self._torch.neck_pivot
+        self._expected = self.whitened(None if around is None else Start(gem.rest_coefficients, around))
 
     def pose(self, unknown: Tensor) -> tuple[Tensor, Tensor]:
         """Turn and move of the whitened unknowns."""
@@ -202,7 +205,7 @@ class _Problem:
 
     def distance(self, unknown: Tensor) -> Tensor:
         """The prior: equation 4's sigmas, squared."""
-        return self.prior * unknown.square().mean()
+        return self.prior * (unknown - self._expected).square().mean()
 
 
 def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -> tuple[float, Memory]:

@@ -4,12 +4,11 @@ Every step draws one moment as one camera saw it. Now and then the bases are mad
 changing, and the avatar is looked at by cameras that nothing was learned from: the best one so far is kept.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
 from ...render.diff.rasterize import rasterize
@@ -18,13 +17,13 @@ from ..captures.layout import Shot
 from ..captures.reader import Capture
 from ..gem import MODALITIES, Gem
 from .deck import Deck, spaced
+from .fit import Start
 from .freegem import FreeGem
 from .losses import photometric, psnr
 from .perceptual import Perceptual
 from .torchgem import pose_head
 from .views import View, views_of
 
-Floats = NDArray[np.float32]
 Progress = Callable[[str, int, int], None]
 
 RATES = {"position": 2e-5, "rotation": 5e-4, "scale": 5e-4, "opacity": 1e-3}
@@ -67,8 +66,8 @@ class Refinement:
 
     gem: Gem
     """The better one: the same object as before where nothing improved."""
-    coefficients: Mapping[int, Floats]
-    """Timestep -> [coefficients] of the training moments, in ``gem``'s units."""
+    moments: Mapping[int, Start]
+    """Timestep -> coefficients of the training moments in ``gem``'s units, and the poses that were given."""
     before: float
     """Decibels on pictures that nothing was learned from, before ..."""
     after: float
@@ -91,7 +90,7 @@ class Refinement:
 def refine(
     gem: Gem,
     capture: Capture,
-    coefficients: Mapping[int, Floats],
+    moments: Mapping[int, Start],
     effort: RefineEffort = RefineEffort(),
     perceptual: Perceptual | None = None,
     progress: Progress = lambda stage, done, total: None,
@@ -102,18 +101,18 @@ def refine(
     Args:
         gem: distilled from this person.
         capture: its ``val`` pictures judge; without any, every tenth training picture is set aside for that.
-        coefficients: timestep -> where each training moment begins; moments without any are left out.
+        moments: timestep -> expression and pose with which each training moment begins; others are left out.
         effort: what, and how long.
         perceptual: equation 2's network; None leaves that term out.
         progress: told the stage, steps done and steps in all.
         device: where it is computed.
 
     Raises:
-        ValueError: where no training picture has coefficients, or they do not belong to the avatar.
+        ValueError: where no training picture has its moment, or coefficients do not belong to the avatar.
         FloatingPointError: where a loss is not finite.
         CaptureError: where the capture changed since it was opened.
     """
-    run = _Run(gem, capture, coefficients, effort, perceptual, torch.device(device))
+    run = _Run(gem, capture, moments, effort, perceptual, torch.device(device))
     return run.refined(progress)
 
 
@@ -122,22 +121,22 @@ class _Run:
         self,
         gem: Gem,
         capture: Capture,
-        coefficients: Mapping[int, Floats],
+        moments: Mapping[int, Start],
         effort: RefineEffort,
         perceptual: Perceptual | None,
         device: torch.device,
     ) -> None:
         self._gem, self._capture, self._effort, self._perceptual = gem, capture, effort, perceptual
         self._device = device
-        learned, self._judges = _split(capture, coefficients)
-        for timestep, values in coefficients.items():
-            if values.shape != (gem.coefficient_count,):
-                raise ValueError(
-                    f"'{gem.name}' has {gem.coefficient_count} coefficients, moment {timestep} {values.shape}"
-                )
+        self._moments = moments
+        learned, self._judges = _split(capture, moments)
+        for timestep, moment in moments.items():
+            if moment.coefficients.shape != (gem.coefficient_count,):
+                found = moment.coefficients.shape
+                raise ValueError(f"'{gem.name}' has {gem.coefficient_count} coefficients, moment {timestep} {found}")
         self._deck = Deck(learned, 1, effort.seed)
         self._place = {timestep: index for index, timestep in enumerate(sorted({s.timestep for s in learned}))}
-        begin = np.stack([coefficients[timestep] for timestep in self._place])
+        begin = np.stack([moments[timestep].coefficients for timestep in self._place])
         self.free = FreeGem(gem, begin, device)
         self._neck_weights = torch.from_numpy(gem.neck_weights).to(device)
         self._pivot = torch.from_numpy(np.asarray(gem.neck_pivot, np.float32)).to(device)
@@ -171,7 +170,10 @@ class _Run:
         if kept is not None:
             self.free.restore(kept)
             answer, found = self.free.finished()
-        moments = {timestep: found[index].astype(np.float32) for timestep, index in self._place.items()}
+        moments = {
+            timestep: Start(found[index].astype(np.float32), self._moments[timestep].pose)
+            for timestep, index in self._place.items()
+        }
         return Refinement(answer, moments, before, best, tuple(curve), tuple(losses), done, stopped)
 
     @torch.no_grad()
@@ -189,7 +191,7 @@ class _Run:
         for group in self._optimizer.param_groups:
             group["lr"] = group["rate"] * (LAST_RATE + (1 - LAST_RATE) * 0.5 * (1 + np.cos(np.pi * share)))
         (shot,) = self._deck.dealt(step)
-        ground = lot.uniform(size=3) if lot.uniform() < GROUNDS else self._capture.background
+        ground = lot.uniform(size=3).tolist() if lot.uniform() < GROUNDS else self._capture.background
         view = self._view(shot, ground)
         image = self._drawn(shot, view)
         loss = photometric(image, view.picture)
@@ -208,13 +210,13 @@ class _Run:
         return value
 
     def _drawn(self, shot: Shot, view: View) -> Tensor:
-        tracked = self._capture.tracked(shot.timestep)
+        pose = self._moments[shot.timestep].pose
         raw = self.free.compose(self._place[shot.timestep])
-        turn, move = (torch.from_numpy(x).to(self._device) for x in (tracked.rotation, tracked.translation))
+        turn, move = (torch.from_numpy(x).to(self._device) for x in (pose.turn, pose.move))
         posed = pose_head(raw, self._neck_weights, self._pivot, turn, move)
         return rasterize(activate(posed), view.camera, view.background)
 
-    def _view(self, shot: Shot, ground: Sequence[float] | NDArray[np.float64]) -> View:
+    def _view(self, shot: Shot, ground: Sequence[float]) -> View:
         rgba = self._capture.read(shot)
         if rgba[..., 3].min() == 255:  # no mask: what is behind belongs to the picture
             ground = self._capture.background
@@ -234,11 +236,11 @@ class _Run:
         return torch.optim.Adam(options, fused=True)
 
 
-def _split(capture: Capture, coefficients: Mapping[int, Floats]) -> tuple[list[Shot], list[Shot]]:
-    """What is learned from, and what judges."""
-    learned = [shot for shot in capture.train if shot.timestep in coefficients]
+def _split(capture: Capture, known: Container[int]) -> tuple[list[Shot], list[Shot]]:
+    """What is learned from, and what judges, of the moments that are known."""
+    learned = [shot for shot in capture.train if shot.timestep in known]
     if not learned:
-        raise ValueError(f"{capture.folder}: no training picture belongs to a moment with coefficients")
+        raise ValueError(f"{capture.folder}: no training picture belongs to a moment that is known")
     moments = {shot.timestep for shot in learned}
     judges = [shot for shot in capture.val if shot.timestep in moments]
     if not judges:
