@@ -5,11 +5,12 @@ import sys
 
 from cyclopts import App, CycloptsError
 
-from .commands import avatars, driven, learning, live, machine
+from .commands import avatars, driven, learning, live, machine, trust
 from .errors import CommandError, ExitCode
 
 EXIT_CODES = """Exit codes: 0 done, 1 unexpected failure, 2 wrong usage, 3 an input cannot be used, 4 no face anywhere,
-5 the output cannot be written, 130 stopped with Ctrl-C. Errors are one line on stderr; --debug adds the traceback."""
+5 the output cannot be written, 6 and 7 verify found changes or no credentials, 130 stopped with Ctrl-C. Errors are one
+line on stderr; --debug adds the traceback."""
 
 app = App(
     name="gemheads",
@@ -23,7 +24,7 @@ for command in (
     *(live.live, driven.reenact, driven.demo, driven.track),
     *(avatars.info, avatars.modes, avatars.export, avatars.distill, avatars.fit, avatars.train_regressor),
     learning.train,
-    *(machine.bench, machine.doctor),
+    *(machine.bench, machine.doctor, trust.verify),
 ):
     app.command(command)
 

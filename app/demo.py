@@ -11,7 +11,9 @@ from .library import DEMO_CLIP, find_avatar
 from .reenact import Wish, reenact
 
 
-def run_demo(out: str, avatar: str | None, engine: Literal["auto", "quads", "software"], window: bool) -> ExitCode:
+def run_demo(
+    out: str, avatar: str | None, engine: Literal["auto", "quads", "software"], window: bool, no_badge: str = ""
+) -> ExitCode:
     """Write the demo video, say where it is, and open the live window with it where there is a display.
 
     Raises CommandError.
@@ -20,7 +22,8 @@ def run_demo(out: str, avatar: str | None, engine: Literal["auto", "quads", "sof
         raise InputError(f"{DEMO_CLIP}: the demo clip is missing; restore the folder assets/demo of the repository")
     path = find_avatar(avatar)
     learned = open_avatar(path).gem.regressor is not None
-    wish = Wish(path, side_by_side=True, engine=engine, driving="learned" if learned else "baseline")
+    driving = "learned" if learned else "baseline"
+    wish = Wish(path, side_by_side=True, engine=engine, driving=driving, no_badge=no_badge, name_driver=True)
     code = reenact([str(DEMO_CLIP)], out, wish)
     if code is ExitCode.OK:
         print(f"Done: open {Path(out).resolve()}; the face of the clip is on the left, the avatar on the right.")

@@ -5,12 +5,13 @@ from pathlib import Path
 from ..models.gem import CHANNELS, MODALITIES, Gem
 from ..models.gemfile import GemFormatError, GemInfo, load_gem, read_info
 from .errors import InputError
+from .origin import NO_CONSENT, plain
 
 ORIGIN = ("author", "licence", "consent", "source")
 """What every avatar should say about itself, in the order it is shown."""
 UNKNOWN = "not stated"
-LONGEST_TEXT = 600
-"""More of a text from a file is not printed."""
+MISSING = {"consent": NO_CONSENT}
+"""What a missing text means, where it means something."""
 
 
 def describe(path: Path) -> str:
@@ -31,9 +32,9 @@ def lines(info: GemInfo, gem: Gem, path: Path) -> list[tuple[str, str]]:
     card, layout, view = info.card, info.layout, info.card.viewing
     others = sorted(set(card.about) - set(ORIGIN))
     return [
-        ("Name", _plain(card.name)),
-        *((key.capitalize(), _plain(card.about.get(key, "").strip() or UNKNOWN)) for key in ORIGIN),
-        *((_plain(key), _plain(card.about[key])) for key in others),
+        ("Name", plain(card.name)),
+        *((key.capitalize(), plain(card.about.get(key, "").strip() or MISSING.get(key, UNKNOWN))) for key in ORIGIN),
+        *((plain(key), plain(card.about[key])) for key in others),
         ("File", f"{path}, {info.bytes / 1e6:.2f} MB, basis as {card.basis}"),
         ("Splats", f"{layout.splats}, UV map of {card.uv_size} x {card.uv_size} texels"),
         *((name.capitalize(), _basis(info, name)) for name in MODALITIES),
@@ -55,9 +56,3 @@ def _basis(info: GemInfo, modality: str) -> str:
 def _drivers(gem: Gem) -> str:
     ways = ["its regressor"] * (gem.regressor is not None) + ["52 ARKit weights"] * (gem.arkit_weights is not None)
     return " and ".join([*ways, f"{gem.coefficient_count} coefficients"])
-
-
-def _plain(text: str) -> str:
-    """Text of unknown origin without what could steer a terminal."""
-    shown = "".join(char if char.isprintable() else " " for char in text[:LONGEST_TEXT])
-    return shown + "…" * (len(text) > LONGEST_TEXT)

@@ -23,6 +23,7 @@ class ProgressBar:
         )
         self._task = self._bar.add_task("", total=None, rate="", visible=False)
         self._stage = ""
+        self._said: set[str] = set()
 
     def __enter__(self) -> "ProgressBar":
         self._bar.start()
@@ -52,3 +53,9 @@ class ProgressBar:
     def say(self, text: str) -> None:
         """One line above the bar."""
         self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    def say_once(self, text: str) -> None:
+        """One line above the bar, unless it was said for a clip before."""
+        if text not in self._said:
+            self._said.add(text)
+            self.say(text)

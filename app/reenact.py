@@ -9,13 +9,18 @@ from typing import Any, Literal
 
 from ..models.driver.face import FaceTracker
 from ..render.engines import Engine, open_engine
+from .badge import badged
 from .beside import beside_width, side_by_side
 from .casting import Avatar, Driving, check_components, expression_of, open_avatar
+from .credentials.papers import Papers, driver_of
+from .credentials.signing import Signer, open_signer
+from .credentials.statement import Statement
 from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError
 from .following import Actor
 from .frames import Frame
 from .live import Image, Stage, perform, run_offline
 from .neutrals import AUTO, NeutralRule, find_neutral, said
+from .origin import origin_of
 from .outputs import is_video, plan_outputs
 from .performance import Pose
 from .portrait import portrait
@@ -47,6 +52,10 @@ class Wish:
     """Frames per second of drivers that are pictures."""
     track: Path | None = None
     """Play this performance instead of following a face."""
+    no_badge: str = ""
+    """Why the SYNTHETIC badge is left out; empty draws it."""
+    name_driver: bool = False
+    """Whether the driver's file name goes into the credentials."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +66,8 @@ class Cast:
     tracker: FaceTracker | None
     engine: Engine
     track: Track | None
+    signer: Signer | None
+    """None where the extra that signs is not installed, or its key cannot be used."""
 
 
 def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None, quiet: bool = False) -> ExitCode:
@@ -77,7 +88,7 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     outcomes: list[Outcome] = []
     code = ExitCode.OK
     with ProgressBar(quiet) as bar:
-        cast = _opened(wish, bool(drivers))
+        cast = _opened(wish, bool(drivers), bar)
         try:
             for driver, result in jobs:
                 own = replace(wish, neutral=_with_sheet(wish.neutral, result, len(jobs)))
@@ -96,7 +107,7 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     return code
 
 
-def _opened(wish: Wish, followed: bool) -> Cast:
+def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:
     avatar = open_avatar(wish.avatar)
     check_components(avatar, wish.components)
     track = load_track(wish.track) if wish.track else None
@@ -107,7 +118,10 @@ def _opened(wish: Wish, followed: bool) -> Cast:
     if track is None:
         expression_of(avatar, wish.driving)  # fails now rather than after the tracker and the engine have started
     tracker = FaceTracker() if followed and track is None else None
-    return Cast(avatar, tracker, open_engine(wish.engine), track)
+    signer, trouble = open_signer()
+    if trouble:
+        bar.say_once(trouble)
+    return Cast(avatar, tracker, open_engine(wish.engine), track, signer)
 
 
 def _with_sheet(rule: NeutralRule, result: Path, drivers: int) -> NeutralRule:
@@ -123,13 +137,15 @@ def _outcome_of(
     """One driver's run, whatever happens in it."""
     outcome = Outcome(driver or str(wish.track), str(result), "failed")
     if wish.resume and is_whole(result):
-        return replace(outcome, status="kept", message=f"{result}: already done"), ExitCode.OK
+        credentials = _papers(cast, wish, driver).sign_once(result) if is_video(result) else ""
+        return replace(outcome, status="kept", message=f"{result}: already done", credentials=credentials), ExitCode.OK
     run = _Run(cast, wish, result, bar, started)
     status, code = "failed", ExitCode.OK
     try:
         run.play(driver)
         status = "done"
         message = f"{result}: {run.tally.frames} frames in {run.seconds:.1f} s ({run.rate:.0f} frames/s)"
+        message += f", {run.credentials}" if run.credentials else ""
     except KeyboardInterrupt:
         status, code = "interrupted", ExitCode.INTERRUPTED
         message = f"{result}: stopped before the first frame; nothing was written"
@@ -143,6 +159,7 @@ def _outcome_of(
             status=status,
             tally=run.tally,
             message=message,
+            credentials=run.credentials,
             neutral=run.neutral,
             stages_ms=run.watch.mean_ms(),
             seconds=round(run.seconds, 3),
@@ -160,6 +177,7 @@ class _Run:
         self.tally = Tally()
         self.watch = Stopwatch()
         self.neutral: dict[str, Any] = {}
+        self.credentials = ""
         self.first_frame_secs = self.seconds = 0.0
         self.left: Path | None = None
         """The unfinished result, where one was begun."""
@@ -174,21 +192,25 @@ class _Run:
         cast, wish = self._cast, self._wish
         source = open_source(driver, wish.rate) if driver else None
         performance = self._performance(source)
+        self._bar.say_once(origin_of(cast.avatar).said())
         timing = cast.track or source
         assert timing is not None
         width, height = wish.size
         extra = beside_width(source.size, height) if source and wish.side_by_side else 0
         gem = cast.avatar.gem
         stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
-        sink = self._sink((width + extra, height), timing.time_base, timing.rate, source)
+        papers = _papers(cast, wish, driver, beside=extra > 0)
+        sink = self._sink((width + extra, height), timing.time_base, timing.rate, source, papers)
         self.left = sink.partial
         self._bar.begin(self._result.name, timing.frame_count)
 
         def finish(picture: Image, frame: Frame | None) -> Image:
-            return side_by_side(frame.rgb, picture, extra) if extra and frame else picture
+            picture = side_by_side(frame.rgb, picture, extra) if extra and frame else picture
+            return picture if wish.no_badge else badged(picture)
 
         try:
             run_offline(performance, stage, finish, sink, self._tell)
+            self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
         finally:
             self.seconds = time.perf_counter() - self._started
         if cast.track is None and self.tally.without_face == self.tally.frames:
@@ -219,10 +241,12 @@ class _Run:
         )
         return perform(actor, ahead(source.frames()), self.watch)
 
-    def _sink(self, size: tuple[int, int], time_base: Fraction, rate: Fraction, source: Source | None) -> Sink:
+    def _sink(
+        self, size: tuple[int, int], time_base: Fraction, rate: Fraction, source: Source | None, papers: Papers
+    ) -> Sink:
         transparent = self._wish.background is None
         if not is_video(self._result):
-            return FolderSink(self._result, time_base, self._wish.resume)
+            return FolderSink(self._result, time_base, self._wish.resume, papers.signed_png)
         audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
         return VideoSink(self._result, size, time_base, rate, transparent, audio)
 
@@ -231,6 +255,14 @@ class _Run:
             self.first_frame_secs = time.perf_counter() - self._started
         self.tally.add(pose)
         self._bar.advance()
+
+
+def _papers(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) -> Papers:
+    """What is signed into a result."""
+    if cast.signer is None:
+        return Papers(None, Statement((), driver_of(None, None)))
+    told = driver_of(driver, wish.track, wish.name_driver)
+    return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside))
 
 
 def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
@@ -244,9 +276,10 @@ def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
 
 def _settings(wish: Wish, cast: Cast) -> dict[str, Any]:
     return {
-        "avatar": {"file": str(wish.avatar), "name": cast.avatar.gem.name, "sha256": cast.avatar.sha256},
+        "avatar": {"file": str(wish.avatar), **origin_of(cast.avatar).as_json()},
         "components": wish.components or cast.avatar.gem.components,
         "size": f"{wish.size[0]}x{wish.size[1]}",
         "driving": "track" if wish.track else wish.driving,
+        "badge": wish.no_badge or "drawn",
         "engine": {"asked": wish.engine, "used": cast.engine.name, "description": cast.engine.description},
     }

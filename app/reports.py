@@ -63,6 +63,8 @@ class Outcome:
     """done, kept (an earlier run had finished it), interrupted or failed."""
     tally: Tally = field(default_factory=Tally)
     message: str = ""
+    credentials: str = ""
+    """signed, or why not; empty where the extra that signs is not installed."""
     neutral: dict[str, Any] = field(default_factory=dict)
     stages_ms: dict[str, float] = field(default_factory=dict)
     seconds: float = 0.0

@@ -12,6 +12,7 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.wholefile import settle, write_whole
 from .audio import AudioCopy
 from .errors import OutputError, UsageError
 
@@ -121,15 +122,19 @@ class VideoSink:
             finally:
                 self._container.close()
             if whole:
+                settle(self.partial)
                 self.partial.replace(self.path)
 
 
 class FolderSink:
     """PNGs with alpha or without, and their times in ``times.csv``, which appears when the folder is whole."""
 
-    def __init__(self, path: Path, time_base: Fraction, resume: bool) -> None:
-        """Raises OutputError when the folder cannot be made."""
+    def __init__(
+        self, path: Path, time_base: Fraction, resume: bool, signed: Callable[[bytes], bytes] | None = None
+    ) -> None:
+        """``signed`` puts credentials into the bytes of a PNG. Raises OutputError when the folder cannot be made."""
         self.path = self.partial = path
+        self._signed = signed
         self._time_base, self._resume = time_base, resume
         self._times: list[str] = []
         with _told(path, 0):
@@ -150,15 +155,15 @@ class FolderSink:
         order = cv2.COLOR_RGBA2BGRA if image.shape[2] == 4 else cv2.COLOR_RGB2BGR
         _, data = cv2.imencode(".png", cv2.cvtColor(image, order), [cv2.IMWRITE_PNG_COMPRESSION, 1])
         with _told(self.path, len(self._times) - 1):
-            partial = self._file(index).with_suffix(".partial")
-            partial.write_bytes(data.tobytes())
-            partial.replace(self._file(index))
+            png = data.tobytes()
+            write_whole(self._file(index), [self._signed(png) if self._signed else png])
 
     def close(self, whole: bool) -> None:
         """Write the times when the folder is whole."""
         if whole:
             with _told(self.path, len(self._times)):
-                (self.path / TIMES_FILE).write_text("file,seconds\n" + "\n".join(self._times) + "\n")
+                text = "file,seconds\n" + "\n".join(self._times) + "\n"
+                write_whole(self.path / TIMES_FILE, [text.encode()])
 
     def _file(self, index: int) -> Path:
         return self.path / f"frame_{index:06d}.png"

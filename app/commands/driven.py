@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .options import AvatarName, DriverName, EngineName, Out, Size
+from .options import AvatarName, DriverName, EngineName, NoBadge, Out, Size
 
 
 def reenact(
@@ -25,6 +25,8 @@ def reenact(
     engine: EngineName = "auto",
     driver: DriverName = "learned",
     rate: str = "30",
+    no_badge: NoBadge = None,
+    name_driver: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Let an avatar act what the faces in videos do.
 
@@ -47,9 +49,12 @@ def reenact(
         engine: What draws; auto measures once and takes the faster.
         driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
         rate: Frames per second of pictures, such as 25 or 30000/1001.
+        no_badge: Leave the SYNTHETIC badge out, and why: the reason goes into the report and the credentials.
+        name_driver: Put the driver's file name into the credentials, beside the hash of its bytes.
     """
     from ..library import find_avatar
     from ..neutrals import read_rule
+    from ..reasons import read_reason
     from ..reenact import Wish
     from ..reenact import reenact as run
     from ..words import read_colour, read_rate, read_size
@@ -67,6 +72,8 @@ def reenact(
         driving=driver,
         rate=read_rate(rate),
         track=track,
+        no_badge=read_reason(no_badge),
+        name_driver=name_driver,
     )
     return run(list(drivers), out, wish, report)
 
@@ -77,6 +84,7 @@ def demo(
     avatar: AvatarName = None,
     engine: EngineName = "auto",
     window: bool = True,
+    no_badge: NoBadge = None,
 ) -> int:
     """Run a shipped avatar on the shipped clip, driver and avatar side by side, and show it where there is a display.
 
@@ -85,10 +93,12 @@ def demo(
         avatar: Name of an avatar or a .gem file.
         engine: What draws; auto measures once and takes the faster.
         window: Play the result in a window (closes with Esc or Ctrl+Q); only where there is a display.
+        no_badge: Leave the SYNTHETIC badge out, and why.
     """
     from ..demo import run_demo
+    from ..reasons import read_reason
 
-    return run_demo(out, avatar, engine, window)
+    return run_demo(out, avatar, engine, window, read_reason(no_badge))
 
 
 def track(

@@ -22,6 +22,7 @@ COMMANDS = (
     "track",
     "fit",
     "train-regressor",
+    "verify",
 )
 
 
@@ -105,6 +106,7 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("reenact", "a.mp4", "-o", "b.mp4", "--components", "99", *avatar), "stores 6"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--neutral", "first", "--neutral-sheet", "c.png"), "leave it out"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--neutral-sheet", "c.png", *avatar), "needs no neutral"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--no-badge", "because", *avatar), "say why"),
         (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
     ):
         code, error = told(capsys, *words)

@@ -67,6 +67,7 @@ def test_pictures_become_a_track_that_plays(tiny: Path, tmp_path: Path, capsys: 
     assert np.degrees(np.abs(kept.poses[1].turn - [0.06, -0.08, 0.02]).max()) < 0.5
     assert read_image(errors).shape == (SIDE, 3 * SIDE, 3)
     words = ("reenact", "--track", str(track), "--avatar", str(tiny), "-o", str(again), "--size", f"{SIDE}x{SIDE}")
+    words = (*words, "--no-badge", "compared with what was fitted")
     assert main(list(words)) == ExitCode.OK
     for index, image in enumerate(shown):
         assert decibels(read_image(again / f"frame_{index:06}.png"), image) >= 38

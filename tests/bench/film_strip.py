@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 SIDE = 224
 QUALITY = 88
+WHY = "a strip of small pictures, which says what they are beside them"
 
 
 def main() -> None:
@@ -32,7 +33,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for avatar in options.avatars:
             video = Path(folder) / f"{Path(avatar).stem}.mp4"
-            reenact([str(options.driver)], str(video), Wish(find_avatar(avatar)))
+            reenact([str(options.driver)], str(video), Wish(find_avatar(avatar), no_badge=WHY))
             rows.append(_row(video, options.seconds))
     strip = cv2.cvtColor(np.concatenate(rows), cv2.COLOR_RGB2BGR)
     jpeg = options.out.suffix.lower() in (".jpg", ".jpeg")

@@ -1,0 +1,1 @@
+"""Content credentials (C2PA): what a result says about itself, signed with a key of this computer, offline."""
