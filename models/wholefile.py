@@ -29,6 +29,12 @@ def write_whole(path: Path, parts: Iterable[Any]) -> None:
         raise
 
 
+def settle(path: Path) -> None:
+    """Make sure that a file which somebody else wrote is on the disk. Raises OSError."""
+    with path.open("r+b") as file:  # Windows settles only what may be written
+        os.fsync(file.fileno())
+
+
 @contextmanager
 def open_ordinary(path: Path) -> Iterator[tuple[BufferedReader, int]]:
     """Opens an ordinary file for reading and gives it with its size in bytes.

@@ -31,6 +31,7 @@ def main() -> int:
         failed |= bool(found.wrong)
         first = next((f"{index}: {what}" for index, what in found.wrong.items()), "")
         rate = found.inputs / max(1e-9, found.seconds)
+        print(f"{name}: {found.inputs} read, {len(found.wrong)} wrong", file=sys.stderr, flush=True)
         table.add_row(name, f"{found.inputs}", f"{rate:.0f}", f"{len(found.wrong)}", first)
         for index, what in found.wrong.items():
             print(f"{name} {index}: {what}", file=sys.stderr, flush=True)
