@@ -9,7 +9,7 @@ from gemheads.app.credentials.signing import Signer
 from gemheads.app.credentials.statement import Driver, Statement
 from gemheads.app.origin import Origin
 
-from tests.app.credentials.conftest import write_file
+from .credentials.conftest import write_file
 
 
 @pytest.fixture

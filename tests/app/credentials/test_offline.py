@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.app.credentials.conftest import write_file
-from tests.app.sealed import KILLED, run_sealed
+from ..sealed import KILLED, run_sealed
+from .conftest import write_file
 
 SIGN_AND_READ = """
 import sys

@@ -15,7 +15,7 @@ from gemheads.app.credentials.signing import KINDS, Signer
 from gemheads.app.credentials.statement import AVATAR_ALONE, WITH_DRIVER, Driver, Statement, manifest
 from gemheads.app.errors import InputError, OutputError
 
-from tests.app.credentials.conftest import STATEMENT, write_file
+from .conftest import STATEMENT, write_file
 
 NAMES = ("a.png", "a.jpg", "a.mp4", "a.mov")
 
