@@ -2,10 +2,15 @@
 
 from collections import defaultdict
 from collections.abc import Sequence
+from typing import Literal, get_args
 
 import numpy as np
 
 from ..captures.layout import Shot
+
+Purpose = Literal["shots", "ground", "crop"]
+"""What is left to chance in a step: its pictures, what is behind them, where the VGG term looks."""
+PURPOSES = get_args(Purpose)
 
 
 class Deck:
@@ -29,12 +34,12 @@ class Deck:
                 np.random.default_rng([self._seed, 0, turn]).permutation(len(self._moments)),
             )
         moment = self._moments[self._order[place]]
-        chosen = self.lot(step).permutation(len(moment))[: self._hand]
+        chosen = self.lot(step, "shots").permutation(len(moment))[: self._hand]
         return [moment[index] for index in chosen]
 
-    def lot(self, step: int) -> np.random.Generator:
+    def lot(self, step: int, what: Purpose) -> np.random.Generator:
         """The chance of a step: the same for the same step, whatever was before. Nothing needs to be kept of it."""
-        return np.random.default_rng([self._seed, 1, step])
+        return np.random.default_rng([self._seed, 1 + PURPOSES.index(what), step])
 
 
 def spaced(shots: Sequence[Shot], count: int) -> list[Shot]:

@@ -18,14 +18,14 @@ class Plan:
     steps: int
     views: int = 2
     """Pictures a step, all of one moment: the network answers once for them."""
-    colors_first: int = 200
+    colors_first: int = 100
     """So many steps learn the colours of the bare mesh, before anything moves. At ``steps`` it is a bare mesh."""
     network_rate: float = 1e-3
     """Learning rates fall along half a cosine to 2 % of these: of the network ..."""
     constant_rate: float = 1e-2
     """... of the part of the residuals that no expression changes ..."""
     color_rate: float = 1e-2
-    """... and of the colours; five times that while they are learned alone."""
+    """... and of the colours; twice that while they are learned alone."""
     perceptual: float = 0.02
     """Zeta, the weight of the VGG term in equation 2; 0 leaves it out."""
     perceptual_every: int = 1

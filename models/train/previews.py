@@ -67,6 +67,13 @@ def loss_curve(steps: NDArray[np.floating], losses: NDArray[np.floating]) -> Pix
     return picture
 
 
+def loss_table(rows: Sequence[Sequence[float]], terms: Sequence[str]) -> str:
+    """CSV of rows: the step, its ``terms``, and the loss."""
+    lines = [",".join(["step", *terms, "loss"])]
+    lines += [",".join([f"{row[0]:.0f}", *(f"{value:.6g}" for value in row[1:])]) for row in rows]
+    return "\n".join(lines) + "\n"
+
+
 def write_png(path: Path, picture: Pixels) -> None:
     """Raises OSError."""
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -4,10 +4,9 @@ Every choice of chance depends on the seed and the number of the step alone, so 
 last checkpoint to the same avatar, bit for bit on a CPU.
 """
 
-import io
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from ...render.diff import cuda
 from ...render.diff.tensors import activate
 from ..captures.reader import Capture
 from ..captures.texels import texels_of
+from ..captures.texture import texel_colors
 from ..wholefile import write_whole
 from .cnn import CnnAvatar
 from .deck import Deck, spaced
@@ -28,7 +28,8 @@ from .focus import focus_map, regions_of
 from .objective import TERMS, Objective
 from .perceptual import Perceptual
 from .plan import Plan
-from .previews import comparison, loss_curve, write_png
+from .previews import comparison, loss_curve, loss_table, write_png
+from .reading import Reader
 from .runs import (
     CHECKPOINT,
     PREVIEWS,
@@ -45,7 +46,7 @@ Progress = Callable[[str, int, int], None]
 
 FINAL_RATE = 0.02
 """Share of the learning rates that is left at the end."""
-COLOR_BOOST = 5.0
+COLOR_BOOST = 2.0
 """Of the colours' rate while they are learned alone."""
 LARGEST_GRADIENT = 1.0
 """Longer ones are cut to this length."""
@@ -136,6 +137,7 @@ class Trainer:
         self.stage = Stage(capture, texels, self.avatar, torch.device(device))
         self.objective = Objective(plan, perceptual)
         self.deck = Deck(capture.train, plan.views, plan.seed)
+        self._reader = Reader(self.stage, self.deck, plan.steps)
         self.step, self.skipped, self.restored = 0, 0, 0
         self._stumbles, self._returns = 0, 0
         self._rows: list[list[float]] = []
@@ -155,6 +157,9 @@ class Trainer:
             half_written.unlink()
         state = read_checkpoint(self.folder)
         if state is None:
+            colors, _ = texel_colors(self.stage.capture, self.stage.texels)
+            with torch.no_grad():
+                self.avatar.colors.copy_(torch.from_numpy(colors))
             self._keep()
             return
         self._load(state)
@@ -164,13 +169,16 @@ class Trainer:
     def run(self, progress: Progress) -> Outcome:
         """All steps that are left; then the folder holds everything."""
         started = time.monotonic()
-        while self.step < self.plan.steps:
-            self._learn()
-            if self.step % self.plan.checkpoint_every == 0 or self.step == self.plan.steps:
-                self._keep()
-            if self.step % self.plan.preview_every == 0:
-                self._show()
-            progress("train", self.step, self.plan.steps)
+        try:
+            while self.step < self.plan.steps:
+                self._learn()
+                if self.step % self.plan.checkpoint_every == 0 or self.step == self.plan.steps:
+                    self._keep()
+                if self.step % self.plan.preview_every == 0 and self.step < self.plan.steps:
+                    self._show()
+                progress("train", self.step, self.plan.steps)
+        finally:
+            self._reader.close()
         self._show()
         capture, late = self.stage.capture, [row[-1] for row in self._rows[-max(1, len(self._rows) // 10) :]]
         return Outcome(
@@ -210,16 +218,16 @@ class Trainer:
             self._stumble()
 
     def _terms(self) -> Tensor:
-        """[5] the terms of this step's loss; NaN where splats are not finite: engines would leave these out silently."""
-        lot, shots = self.deck.lot(self.step), self.deck.dealt(self.step)
+        """[5] the terms of this step's loss; NaN where splats are not finite, which engines leave out silently."""
+        shots, views = self._reader.step(self.step)
+        lot = self.deck.lot(self.step, "crop")
         raw, residuals = self.stage.splats(shots[0].timestep, self.step < self.plan.colors_first)
         if not all(bool(torch.isfinite(tensor).all()) for tensor in raw):
             return torch.full((len(TERMS),), float("nan"), requires_grad=True)
         splats, positions = activate(raw), raw.positions.detach().cpu().numpy()
         totals = []
-        for shot in shots:
-            view = self.stage.view(shot, lot.uniform(0, 1, 3).tolist())
-            focus = torch.from_numpy(focus_map(self._regions, positions, shot.camera)).to(raw.positions)
+        for view in views:
+            focus = torch.from_numpy(focus_map(self._regions, positions, view.camera)).to(raw.positions)
             image = self.stage.draw(splats, view)
             totals.append(self.objective.of_picture(image, view.picture, focus, self.step, lot))
         return torch.cat([torch.stack(totals).mean(0), self.objective.of_residuals(residuals)])
@@ -270,12 +278,4 @@ class Trainer:
         write_png(self.folder / PREVIEWS / f"{self.step:06d}.png", picture)
         rows = np.array(self._rows)
         write_png(self.folder / "loss.png", loss_curve(rows[:, 0], rows[:, -1]))
-        write_whole(self.folder / "loss.csv", [_table(self._rows).encode()])
-
-
-def _table(rows: Sequence[Sequence[float]]) -> str:
-    text = io.StringIO()
-    text.write(",".join(["step", *TERMS, "loss"]) + "\n")
-    for row in rows:
-        text.write(",".join([f"{row[0]:.0f}", *(f"{value:.6g}" for value in row[1:])]) + "\n")
-    return text.getvalue()
+        write_whole(self.folder / "loss.csv", [loss_table(self._rows, TERMS).encode()])
