@@ -85,8 +85,13 @@ class StampingEngine:
         """Of the engine that draws."""
         return self._engine.timings
 
+    @property
+    def bound(self) -> bool:
+        """As the engine that draws is."""
+        return self._engine.bound
+
     def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
-        """The engine's picture with a stamp on it."""
+        """The engine's picture with a stamp on it: the capture gives no newer frame while one is drawn."""
         picture = self._engine.draw(raw, camera)
         if self.capture is not None:
             picture = picture if picture.flags.writeable else picture.copy()

@@ -68,7 +68,7 @@ class Ring:
 
 
 class Figures:
-    """Collects on the window's thread."""
+    """Collects on the window's thread; ``stage`` may be told from another one, too."""
 
     def __init__(self) -> None:
         import psutil
@@ -111,7 +111,7 @@ class Figures:
         return View(
             fps=(len(recent) - 1) / span if span > 0 else 0.0,
             latency=self._latency.spread() if self._latency.count else None,
-            stages={name: ring.spread() for name, ring in self._stages.items()},
+            stages={name: ring.spread() for name, ring in tuple(self._stages.items())},
             drops=self.drops,
             rss_mb=self._rss,
         )

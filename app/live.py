@@ -161,23 +161,22 @@ NOTHING = np.empty((0, 0, 3), np.uint8)
 def run_live(desk: "Desk", session: "Session") -> None:
     """The window's thread until somebody quits: orders -> state; newest shot -> picture -> outputs; panels -> screen.
 
-    Nothing here waits for the driver, a file or an output: the newest shot wins, and what is not ready comes later.
+    Nothing here waits for the driver, a file, an output or, where the engine allows it, a picture: the newest shot
+    wins, and what is not ready comes later.
     """
     while not session.state.quitting:
         for order in (*desk.poll(WAIT_SECS), *session.orders()):
             session.obey(order)
         started = time.perf_counter()
         session.settle(started)
-        shot = session.newest(started)
-        picture = session.draw(shot, started)
-        if picture is None and not session.due(started):
+        session.draw(started)
+        drawn = session.drawn()
+        if drawn is None and not session.due(started):
             continue
-        seen = picture
-        if picture is not None:
-            session.offer(picture, started)  # before any panel is drawn, and never with one
-            if not desk.clean(picture if session.state.clean_window else None):
+        if drawn is not None:
+            session.draw(started)  # the next one, while this one is shown
+            session.offer(drawn, started)  # before any panel is drawn, and never with one
+            if not desk.clean(drawn.picture if session.state.clean_window else None):
                 session.obey(Order("clean_window", 0.0))
-            seen = session.preview(picture)
-        worked = time.perf_counter() - started
-        desk.show(seen, session.view(started))
-        session.shown(shot, picture is not None, worked, time.perf_counter())
+        desk.show(None if drawn is None else drawn.preview, session.view(started))
+        session.shown(drawn, time.perf_counter())

@@ -22,7 +22,7 @@ _TRIALS = 3
 
 
 class Engine(Protocol):
-    """Draws splats. Used from the thread that made it."""
+    """Draws splats, one frame at a time, in the thread that made it or, while not ``bound``, in any."""
 
     @property
     def name(self) -> str:
@@ -37,6 +37,11 @@ class Engine(Protocol):
     @property
     def timings(self) -> dict[str, float]:
         """Stage -> seconds of the last frame."""
+        ...
+
+    @property
+    def bound(self) -> bool:
+        """Whether the next frame can only be drawn in the thread that made the engine, as an OpenGL context wants."""
         ...
 
     def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
@@ -81,7 +86,8 @@ def open_engine(name: EngineName = "auto", context: "moderngl.Context | None" = 
 class FastestEngine:
     """Quads at once; when the software engine's kernels are ready, a few frames of each decide which one stays.
 
-    The decision is kept for the process. An engine that raises is closed and the other one takes over for good.
+    The decision is kept for the process. An engine that raises is closed and the other one takes over for good; in
+    another thread than the engine's own it only raises, and the next frame in that thread sees to it.
     """
 
     _decided: str | None = None
@@ -90,6 +96,7 @@ class FastestEngine:
         self._engines: dict[str, Engine] = {"quads": quads, "software": software}
         self._used: Engine = quads
         self._lost = ""
+        self._home = threading.get_ident()
         self._seconds: dict[str, list[float]] = {"quads": [], "software": []}
         self._warmer = threading.Thread(target=software.warm, name="compile kernels", daemon=True)
         self._warmer.start()
@@ -109,6 +116,13 @@ class FastestEngine:
         """Those of the engine that drew the last frame."""
         return self._used.timings
 
+    @property
+    def bound(self) -> bool:
+        """Until only the software engine draws."""
+        if len(self._engines) == 1:
+            return next(iter(self._engines.values())).bound
+        return FastestEngine._decided != "software" or self._warmer.is_alive()
+
     def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
         """The picture [H, W, 4], premultiplied, by the engine that is best at the moment."""
         self._used = self._engines[self._next()]
@@ -117,7 +131,7 @@ class FastestEngine:
             picture = self._used.draw(raw, camera)
         except Exception as error:
             # a lost GL context or a kernel that cannot run here: the other engine draws the same picture
-            if len(self._engines) == 1:
+            if len(self._engines) == 1 or threading.get_ident() != self._home:
                 raise
             self._lost = f" ({self._used.name} failed: {error})"
             self._drop(self._used.name)

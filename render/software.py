@@ -23,9 +23,10 @@ _RECORD = 10
 
 
 class SoftwareEngine:
-    """Draws splats by numba kernels. One per thread; its buffers grow to the largest frame and stay."""
+    """Draws splats by numba kernels, one frame at a time; its buffers grow to the largest frame and stay."""
 
     name = "software"
+    bound = False
 
     def __init__(self, reason: str = "") -> None:
         """``reason``: why it was taken instead of another engine; people read it behind the description."""

@@ -25,6 +25,7 @@ class SplatRenderer:
     """Draws splats by OpenGL, in the thread of its context. Buffers grow with the splats and follow the size."""
 
     name = "quads"
+    bound = True
 
     def __init__(
         self, context: moderngl.Context, precision: Literal["half", "single"] = "half", owns_context: bool = False

@@ -16,7 +16,7 @@ LONGEST_DT = 0.5
 
 
 class Gauges(Stopwatch):
-    """Collects in the window's thread."""
+    """Collects in the window's thread; stages are timed where they happen."""
 
     def __init__(self) -> None:
         super().__init__()

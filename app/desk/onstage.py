@@ -1,6 +1,8 @@
 """The avatar on stage, the one that is coming, and what the window shows of it."""
 
+import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from ..performance import Pose
 from ..shots import Shot
 from ..timing import Stopwatch
 from . import explore
+from .beside import Beside
 from .loader import Loader, Refused
 from .measuring import Measuring, megabytes
 from .painter import KERNELS, Image, Painter
@@ -27,8 +30,26 @@ SWITCH_SECS = 0.1
 """An avatar that nothing has driven after so long comes on stage at rest."""
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A picture, and what it shows."""
+
+    picture: Image
+    """What outputs get: [H, W, 3], or [H, W, 4] with straight alpha; nothing of the avatar behind the curtain."""
+    preview: Image
+    """What the window shows of it: the comparison, while there is one."""
+    pose: Pose | None
+    """None behind the curtain."""
+    avatar: str
+    """sha256 of the avatar's file."""
+    shot: Shot | None
+    """What is seen for the first time in it."""
+    secs: float
+    """How long drawing took."""
+
+
 class OnStage:
-    """For the window's thread."""
+    """For the window's thread; pictures are drawn beside it where the engine allows that."""
 
     def __init__(
         self,
@@ -44,11 +65,10 @@ class OnStage:
         self.avatar: Avatar | None = None
         self.shot: Shot | None = None
         """The last one that was for this avatar."""
-        self.pose = Pose(np.zeros(0, np.float32), NO_SHIFT)
-        """What the last picture shows."""
         self._open_engine, self._size, self._watch = engine, size, watch
         self._loader, self._measuring = Loader(lambda avatar: compiled(avatar, warm)), Measuring()
         self._painter: Painter | None = None
+        self._drawing: Beside[Drawn] = Beside("draw")
         self._coming: tuple[Avatar, float] | None = None
         self._drawn: tuple[object, ...] = ()
         self._used = 0
@@ -83,6 +103,11 @@ class OnStage:
         """PSNR of the last comparison."""
         return self._painter.error_db if self._painter is not None else None
 
+    @property
+    def free(self) -> bool:
+        """Whether the next picture can be begun."""
+        return self._drawing.free
+
     def call(self, path: Path | None) -> None:
         """Have an avatar opened; None asks for nothing."""
         if path is not None:
@@ -113,30 +138,38 @@ class OnStage:
         self.shot = shot
         return shot, changed
 
-    def draw(self, state: DeskState, quality: Quality, fresh: bool, now: float) -> Image | None:
-        """The picture that outputs get, when there is something new to be seen in it."""
+    def draw(self, state: DeskState, quality: Quality, shot: Shot | None, now: float) -> None:
+        """Begin the next picture while ``free``, when there is something new to be seen in it: ``shot``, for one."""
         if self.avatar is None or self._painter is None:
-            return None
+            return
         drawn = (self.avatar.sha256, state, quality)
         sweeps = state.exploring.on and state.exploring.sweep
-        if not fresh and not sweeps and drawn == self._drawn:
-            return None
-        gem = self.avatar.gem
+        if shot is None and not sweeps and drawn == self._drawn:
+            return
+        avatar, painter, gem = self.avatar, self._painter, self.avatar.gem
         self._drawn, self._used = drawn, quality.components
         driven = self.shot.pose if self.shot is not None else Pose(gem.rest_coefficients, NO_SHIFT)
-        self.pose = explore.posed(gem, driven, state, now)
-        return self._painter.picture(gem, self.pose, state, quality.components, quality.scale)
+        pose = explore.posed(gem, driven, state, now)
 
-    def preview(self, picture: Image, state: DeskState) -> Image:
-        """What the window shows of it: the comparison, while there is one."""
-        if not state.compare or state.curtain or self._painter is None:
-            return picture
-        return self._painter.comparison(self.pose, state, picture)
+        def paint() -> Drawn:
+            started = time.perf_counter()
+            picture = preview = painter.picture(gem, pose, state, quality.components, quality.scale)
+            if state.compare and not state.curtain:
+                preview = painter.comparison(pose, state, picture)
+            secs = time.perf_counter() - started
+            return Drawn(picture, preview, None if state.curtain else pose, avatar.sha256, shot, secs)
+
+        self._drawing.begin(paint, here=painter.engine.bound)
+
+    def drawn(self) -> Drawn | None:
+        """The picture that was begun, once, when it is done."""
+        return self._drawing.result()
 
     def close(self) -> None:
         """Let go of the engine, and end what loads and measures."""
         self._loader.close()
         self._measuring.close()
+        self._drawing.close()
         if self._painter is not None:
             self._painter.engine.close()
 

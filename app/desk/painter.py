@@ -37,7 +37,7 @@ def camera_of(gem: Gem, state: DeskState, width: int, height: int) -> Camera:
 
 
 class Painter:
-    """Draws one avatar by one engine, in the engine's thread."""
+    """Draws one avatar by one engine, a picture at a time."""
 
     def __init__(self, engine: Engine, size: tuple[int, int], watch: Stopwatch) -> None:
         """``size``: width and height of the picture in pixels."""

@@ -6,15 +6,13 @@ from pathlib import Path
 
 from ...render.engines import Engine
 from ..casting import Avatar
-from ..shots import Shot
 from .actions import Order
 from .driving import Driving
 from .gauges import Gauges
 from .keys import Keymap
 from .loader import Refused
-from .onstage import OnStage
+from .onstage import Drawn, OnStage
 from .outputs import Outputs
-from .painter import Image
 from .remote import Remote
 from .roster import Roster
 from .sources import is_avatar
@@ -76,6 +74,7 @@ class Session:
         if isinstance(answer, Refused):
             self.tell(answer.reason, alarm=True)
         elif answer is not None and self.driving.cast(answer):
+            self.outputs.introduce(answer)
             self.stage.await_shot(answer, now)
         for order in self.outputs.settle(self.state):
             self.obey(order)
@@ -85,39 +84,36 @@ class Session:
         ):
             self.obey(Order("neutral"))
 
-    def newest(self, now: float) -> Shot | None:
-        """The newest shot that is to be shown; another avatar comes on stage with its first one."""
+    def draw(self, now: float) -> None:
+        """Begin a picture of the newest shot, unless one is being drawn or the last one still holds.
+
+        Another avatar comes on stage with its first shot.
+        """
+        if not self.stage.free:
+            return
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
-        return shot
+        self.stage.draw(self.state, self.gauges.quality(self._components), shot, now)
 
-    def draw(self, shot: Shot | None, now: float) -> Image | None:
-        """The picture that outputs get; None when the last one still holds."""
-        return self.stage.draw(self.state, self.gauges.quality(self._components), shot is not None, now)
+    def drawn(self) -> Drawn | None:
+        """The picture that was begun, once, when it is done."""
+        return self.stage.drawn()
 
-    def offer(self, picture: Image, now: float) -> None:
+    def offer(self, drawn: Drawn, now: float) -> None:
         """Give the outputs a picture; behind the curtain no coefficients go with it."""
-        stage = self.stage
-        open_ = not self.state.curtain and stage.avatar is not None
-        self.outputs.fan.offer(
-            picture, now, stage.pose if open_ else None, stage.avatar.sha256 if open_ and stage.avatar else ""
-        )
-
-    def preview(self, picture: Image) -> Image:
-        """What the window shows of that picture."""
-        return self.stage.preview(picture, self.state)
+        self.outputs.fan.offer(drawn.picture, now, drawn.pose, drawn.avatar if drawn.pose is not None else "")
 
     def due(self, now: float) -> bool:
         """Whether panels want to be drawn again."""
         return now - self._shown_at >= SHOW_EVERY
 
-    def shown(self, shot: Shot | None, picture: bool, worked: float, now: float) -> None:
+    def shown(self, drawn: Drawn | None, now: float) -> None:
         """A frame was swapped at ``now``, with or without another picture in it."""
         self._shown_at = now
-        if picture:
+        if drawn is not None:
             ladder = self.state.ladder and not self.state.compare
-            self.gauges.shown(shot, worked, self._components, ladder, now)
+            self.gauges.shown(drawn.shot, drawn.secs, self._components, ladder, now)
 
     def view(self, now: float) -> DeskView:
         """All that the panels show."""

@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import moderngl
@@ -26,6 +27,7 @@ class Counting:
 
     timings: dict[str, float] = {}  # noqa: RUF012
     description = "for tests"
+    bound = False
 
     def __init__(self, name: str, fails: bool = False) -> None:
         self.name, self.fails = name, fails
@@ -84,6 +86,22 @@ def test_the_other_engine_takes_over(lost: str) -> None:
     assert engine.description == f"for tests ({lost} failed: lost)"
     assert made[lost].drawn == 1
     assert made[lost].closed
+
+
+def test_an_engine_that_fails_in_another_thread_is_replaced_in_its_own() -> None:
+    quads, software = Counting("quads"), Counting("software", fails=True)
+    engine = fastest(quads, software)
+    assert engine.bound, "quads draw first"
+    software.may_warm.set()
+    engine._warmer.join()
+    FastestEngine._decided = "software"
+    assert not engine.bound
+    with ThreadPoolExecutor(1) as beside, pytest.raises(RuntimeError, match="lost"):
+        beside.submit(engine.draw, RAW, CAMERA).result()
+    assert quads.drawn == 0, "an OpenGL context is of one thread"
+    engine.draw(RAW, CAMERA)
+    assert engine.name == "quads"
+    assert engine.bound
 
 
 def test_both_lost_is_an_error() -> None:
