@@ -27,10 +27,9 @@ class Counting:
 
     timings: dict[str, float] = {}  # noqa: RUF012
     description = "for tests"
-    bound = False
 
     def __init__(self, name: str, fails: bool = False) -> None:
-        self.name, self.fails = name, fails
+        self.name, self.fails, self.bound = name, fails, name == "quads"
         self.drawn, self.closed = 0, False
         self.may_warm = threading.Event()
 
