@@ -1,0 +1,79 @@
+"""The command `train`: what it refuses before anything starts, and what it tells."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+sys.path.insert(0, str(Path(__file__).parents[1] / "models" / "train"))
+
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+from gemheads.models.gemfile import load_gem
+from gemheads.models.train.perceptual import WeightsMissing
+from toycapture import write_capture
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_capture(tmp_path_factory.mktemp("toy") / "capture", moments=4, size=48)
+
+
+def train(*words: object) -> int:
+    return main(["train", *map(str, words)])
+
+
+def test_a_run_is_told_of_and_distilled(capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = tmp_path / "run"
+    assert train(capture, "-o", run, "--steps", 3, "--no-perceptual", "--seed", 5) == ExitCode.OK
+    said = capsys.readouterr().out
+    assert "trained for 3 steps" in said
+    assert "dB on the held-out camera" in said
+    assert "without the VGG term" in said
+    assert (run / "previews" / "000003.png").is_file()
+    assert main(["distill", str(run), "-o", str(tmp_path / "toy.gem"), "--components", "2"]) == ExitCode.OK
+    assert len(load_gem(tmp_path / "toy.gem")) > 1000
+    capsys.readouterr()
+    assert train(capture, "-o", run, "--steps", 4, "--no-perceptual", "--seed", 5) == ExitCode.INPUT
+    assert "run of other settings; give the same ones" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (["--preset", "huge"], ExitCode.USAGE, "choose from tiny, small, full"),
+        (["--steps", "0"], ExitCode.USAGE, "--steps 0: choose from"),
+        (["--seed", "-1"], ExitCode.USAGE, "choose 0 or more"),
+    ],
+)
+def test_wrong_words(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], code: ExitCode, said: str
+) -> None:
+    assert train(capture, "-o", tmp_path / "run", *words) == code
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_capture_at_fault_is_named(capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert train(tmp_path / "nowhere", "-o", tmp_path / "run") == ExitCode.INPUT
+    assert "nowhere: is no folder" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_without_its_weights_the_cure_is_told(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing(*words: object) -> None:
+        raise WeightsMissing("vgg: its weights cannot be fetched")
+
+    monkeypatch.setattr("gemheads.models.train.perceptual.Perceptual", missing)
+    assert train(capture, "-o", tmp_path / "run") == ExitCode.INPUT
+    assert "--no-perceptual trains without the VGG term" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_folder_that_cannot_be_written(capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    assert train(capture, "-o", tmp_path / "file" / "run", "--no-perceptual") == ExitCode.OUTPUT
+    assert "cannot be written" in capsys.readouterr().err
