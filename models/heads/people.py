@@ -218,7 +218,37 @@ LIN = Person(
     gain=_paired({"mouthFrown": 1.6}),
 )
 
+ADA = Person(
+    name="ada",
+    targets=_macro({"african": 0.45, "caucasian": 0.35, "asian": 0.2}, {"female": 0.95, "male": 0.05}, {"young": 1.0})
+    | _both("eyes/eye-scale-incr", 0.35)
+    | _both("cheek/cheek-volume-decr", 0.3)
+    | {
+        "head/head-oval": 0.5,
+        "head/head-fat-decr": 0.4,
+        "chin/chin-width-decr": 0.3,
+        "nose/nose-scale-horiz-decr": 0.4,
+        "eyebrows/eyebrows-trans-up": 0.5,
+        "mouth/mouth-angles-up": 0.35,
+        "mouth/mouth-scale-depth-decr": 0.3,
+    },
+    skin="young_african_female/textures/young_darkskinned_female_diffuse.png",
+    eye="brown",
+    brow="eyebrow002",
+    brow_color=(0.13, 0.09, 0.07),
+    hair=Hair("short04", (0.10, 0.075, 0.06), (0.26, 0.19, 0.14), gloss=0.4),
+    seed=71,
+    skin_gain=(1.75, 1.7, 1.65),
+    lip=(0.56, 0.31, 0.28),
+    lip_gloss=0.5,
+    shirt=(0.24, 0.33, 0.40),
+    rest=RELAXED | {"mouthSmileLeft": 0.15, "mouthSmileRight": 0.15},
+    gain=_paired({"mouthFrown": 1.5, "mouthUpperUp": 1.5}),
+)
+
 AVATARS = (MARA, THEO, JONAH)
 """The identities that ship as avatars."""
 DRIVER = LIN
 """The fourth, who acts in the demo clip."""
+SUBJECTS = (ADA,)
+"""Who performs in the studio (`gemheads capture`)."""

@@ -1,0 +1,161 @@
+"""One moment of a performance in the studio: the posed head, and the light on it, shared by all cameras."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..captures.headmotion import posed
+from ..heads.puppet import gaze_turn
+from .lamps import Lighting, studio_light
+from .raster import CUT
+from .shading import HAIR
+from .shadows import arriving
+from .skinflow import SPREAD_M, Neighbours, folded, neighbours_of, spread
+from .subject import Subject, linear
+
+Floats = NDArray[np.floating]
+
+SKULL = np.array([0.0, 0.035, -0.01])
+HAIR_DEPTH_M = 5e-3
+"""How deep strands lie in the hair: it shades its inside, not itself."""
+EYE_LIFT = 0.06
+"""Least irradiance on eyes and teeth, whose own light the lids and lips would swallow."""
+
+
+@dataclass(frozen=True)
+class Act:
+    """What the person does at one moment."""
+
+    arkit: NDArray[np.float32]
+    """[52] ARKit weights."""
+    rotation: NDArray[np.float32]
+    """[3] axis times angle of the head about the neck's pivot."""
+    translation: NDArray[np.float32]
+    """[3] metres."""
+
+
+@dataclass(frozen=True)
+class Moment:
+    """The posed head under the lamps."""
+
+    vertices: NDArray[np.float32]
+    """[V, 3] world, the tracked ones first."""
+    normals: NDArray[np.float32]
+    """[V, 3]"""
+    light: NDArray[np.float32]
+    """[V, 3] irradiance / pi."""
+    mean: NDArray[np.float32]
+    """[V, 3] where it comes from, mostly."""
+    shares: NDArray[np.float32]
+    """[V, lamps + 1] how much of each lamp is seen."""
+    folds: NDArray[np.float32]
+    """[V] how much the skin is compressed, 0..1."""
+    slopes: NDArray[np.float32]
+    """[F, 2, 3] gradients of u and v along the surface."""
+    strands: NDArray[np.float32]
+    """[F, 3] the direction of hair; zeros elsewhere."""
+    eyes: NDArray[np.float32]
+    """[2, 7] middle of each eyeball, where it looks, its radius."""
+
+
+class Stage:
+    """What stays the same over a performance: the person and the lamps."""
+
+    def __init__(self, subject: Subject, lighting: Lighting | None = None) -> None:
+        self.subject = subject
+        self.lighting = studio_light() if lighting is None else lighting
+        template = subject.template
+        self.parts = np.concatenate([template.parts, np.full(len(subject.card_triangles), HAIR)]).astype(np.uint8)
+        self.uv = np.concatenate([template.uv[template.uv_triangles], subject.card_uv]).astype(np.float32)
+        self.hair_color = linear(subject.hair_color)
+
+    @cached_property
+    def _neighbours(self) -> Neighbours:
+        return neighbours_of(self.subject.puppet.vertices, self.subject.template.triangles)
+
+    @cached_property
+    def _blockers(self) -> NDArray[np.int32]:
+        """Everything but lashes and the thin ends of hair."""
+        subject = self.subject
+        middle = subject.card_uv.mean(1)
+        rows = np.clip((1 - middle[:, 1]) * subject.hair.shape[0], 0, subject.hair.shape[0] - 1).astype(int)
+        columns = np.clip(middle[:, 0] * subject.hair.shape[1], 0, subject.hair.shape[1] - 1).astype(int)
+        thick = ~subject.card_is_lash & (subject.hair[rows, columns, 1] > CUT)
+        return np.concatenate([subject.template.triangles, subject.card_triangles[thick]])
+
+    def vertices(self, act: Act) -> NDArray[np.float32]:
+        """[V, 3] the posed head in the world."""
+        subject = self.subject
+        bare = subject.puppet.pose(act.arkit)
+        pivot = subject.template.neck_pivot
+        return posed(bare, subject.neck_weights, pivot, act.rotation, act.translation).astype(np.float32)
+
+    def moment(self, act: Act) -> Moment:
+        """The posed head, lit."""
+        subject, triangles = self.subject, self.subject.triangles
+        vertices = self.vertices(act)
+        normals = _normals(vertices, subject.template.triangles)
+        loose = np.arange(len(vertices)) >= subject.tracked
+        outward = vertices[loose] - SKULL
+        normals[loose] = outward / np.linalg.norm(outward, axis=1, keepdims=True)
+        depth = np.where(loose, HAIR_DEPTH_M, 0.0)
+        light, mean, shares = arriving(vertices, normals, self._blockers, depth, self.lighting)
+        light = spread(light, self._neighbours, SPREAD_M)
+        shares = spread(shares, self._neighbours, (0.0012,) * shares.shape[1])
+        pale = np.unique(subject.template.triangles[np.isin(subject.template.parts, (1, 2))])
+        light[pale] = np.maximum(light[pale], EYE_LIFT)
+        return Moment(
+            vertices=vertices,
+            normals=normals,
+            light=light,
+            mean=mean,
+            shares=shares,
+            folds=folded(subject.puppet.vertices, vertices, subject.template.triangles, self._neighbours),
+            slopes=_slopes(vertices, triangles, self.uv),
+            strands=self._strands(vertices),
+            eyes=self._eyes(act, vertices),
+        )
+
+    def _eyes(self, act: Act, vertices: Floats) -> NDArray[np.float32]:
+        puppet, pivot = self.subject.puppet, self.subject.template.neck_pivot
+        rows = []
+        for side in (0, 1):
+            center = puppet.eye_centers[side]
+            ends = np.stack([center, center + gaze_turn(act.arkit, side) @ puppet.eye_axes[side]])
+            here, ahead = posed(ends, np.ones(2), pivot, act.rotation, act.translation)
+            rows.append([*here, *(ahead - here), puppet.eye_radius])
+        return np.array(rows, np.float32)
+
+    def _strands(self, vertices: Floats) -> NDArray[np.float32]:
+        """Hair runs down its picture: the direction in which v falls."""
+        first = len(self.subject.template.triangles)
+        down = -_slopes(vertices, self.subject.card_triangles, self.uv[first:])[:, 1]
+        strands = np.zeros((len(self.parts), 3), np.float32)
+        strands[first:] = down / np.maximum(np.linalg.norm(down, axis=1, keepdims=True), 1e-9)
+        return strands
+
+
+def _normals(vertices: Floats, triangles: NDArray[np.integer]) -> NDArray[np.float32]:
+    """[V, 3] unit, weighted by area."""
+    a, b, c = (vertices[triangles[:, corner]] for corner in range(3))
+    face = np.cross(b - a, c - a)
+    total = np.zeros((len(vertices), 3))
+    for corner in range(3):
+        for axis in range(3):
+            total[:, axis] += np.bincount(triangles[:, corner], face[:, axis], minlength=len(vertices))
+    return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)).astype(np.float32)
+
+
+def _slopes(vertices: Floats, triangles: NDArray[np.integer], uv: Floats) -> NDArray[np.float32]:
+    """Gradients [F, 2, 3] of u and v along the posed triangles: the pseudoinverse of [dP/du dP/dv]."""
+    a, b, c = (vertices[triangles[:, corner]].astype(np.float64) for corner in range(3))
+    e, f = b - a, c - a
+    ee, ef, ff = (e * e).sum(1), (e * f).sum(1), (f * f).sum(1)
+    det = np.maximum(ee * ff - ef * ef, 1e-20)
+    toward_b = (ff[:, None] * e - ef[:, None] * f) / det[:, None]
+    toward_c = (ee[:, None] * f - ef[:, None] * e) / det[:, None]
+    d1, d2 = (uv[:, 1] - uv[:, 0]).astype(np.float64), (uv[:, 2] - uv[:, 0]).astype(np.float64)
+    slopes = d1[:, :, None] * toward_b[:, None] + d2[:, :, None] * toward_c[:, None]
+    return slopes.astype(np.float32)
