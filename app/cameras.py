@@ -40,17 +40,3 @@ def load_camera(path: Path) -> Camera:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}); check the path") from error
     except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise InputError(f"{path}: not a camera ({brief(error)}); see `fit` in docs/commands.md") from error
-
-
-def scaled(camera: Camera, width: int, height: int) -> Camera:
-    """The same view in a picture of another size."""
-    across, down = width / camera.width, height / camera.height
-    return Camera(
-        camera.fx * across,
-        camera.fy * down,
-        camera.cx * across,
-        camera.cy * down,
-        width,
-        height,
-        camera.world_to_camera,
-    )

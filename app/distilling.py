@@ -1,46 +1,23 @@
-"""``gemheads distill``: somebody else's avatar, or frames of splats, become an avatar of our own."""
+"""``gemheads distill``: a capture, a run, or somebody else's avatar becomes an avatar of our own."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from ..models.gem import MODALITIES
+from ..models.captures.layout import CaptureError
+from ..models.gem import MODALITIES, Gem
 from ..models.gemfile import GemFormatError, save_gem
-from ..models.heads.performance import perform
 from ..models.importers.adopt import TooLargeError, adopt
 from ..models.importers.foreign import ForeignFormatError
-from ..models.importers.gaussianavatars import SPLATS, is_bound, open_bound
-from ..models.importers.lam import MESH, load_lam
-from ..models.importers.plysequence import MAX_FRAMES, open_sequence
-from ..models.importers.source import Source
+from ..models.wholefile import file_sha256
+from .distillable import Opened, Wanted, open_source
 from .errors import ExitCode, InputError, OutputError, UsageError
+from .moments import save_moments
+from .performance import Pose
 from .progress import ProgressBar
 
-LEAST_FRAMES = 150
-"""A performance shorter than this leaves out single shapes."""
 ORIGIN = ("author", "licence", "consent")
 """What only the person at the keyboard knows, and the file keeps."""
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """What the avatar shall be."""
-
-    name: str | None = None
-    """None takes the name of the file that is written."""
-    components: int = 50
-    frames: int = 600
-    """How many expressions a source that ARKit weights drive is asked for."""
-    seed: int = 0
-    """Of the performance."""
-    scale: float = 1.0
-    """Metres of one unit of PLY files."""
-    meshes: Path | None = None
-    """Where the mesh of a GaussianAvatars PLY is frame by frame; None looks beside it."""
-    about: Mapping[str, str] = field(default_factory=dict)
-    """author, licence, consent; empty texts are not stated."""
 
 
 def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
@@ -53,12 +30,13 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
             if key not in about:
                 bar.say(f"{out}: will say '{key}: not stated'; give --{key} TEXT ({_WHY[key]})")
         try:
-            source = open_source(place, wanted)
+            opened = open_source(place, wanted, bar.reach)
+            source = opened.source
             about["source"] = f"{source.kind} {Path(place).name}, {source.count} frames"
             gem, distilled = adopt(source, wanted.name or out.stem, wanted.components, about, bar.reach)
         except TooLargeError as error:
             raise UsageError(f"{place}: {error}") from error
-        except ForeignFormatError as error:
+        except (ForeignFormatError, CaptureError) as error:
             raise InputError(str(error)) from error
         except ValueError as error:
             raise InputError(f"{place}: {error}; leave that frame out") from error
@@ -71,35 +49,22 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
         raise InputError(f"{place}: gives no sound avatar: {error.what}; {error.cure}") from error
     except OSError as error:
         raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+    if wanted.moments is not None:
+        _save_moments(gem, out, opened, wanted.moments)
     for modality in MODALITIES:
         print(f"{modality:9}{_kept(distilled.variance_kept[modality], wanted.components)}")
     print(f"{out}: {len(gem)} splats from {distilled.frames} frames, {out.stat().st_size / 1e6:.2f} MB")
     return ExitCode.OK
 
 
-def open_source(place: str, wanted: Wanted) -> Source:
-    """The importer that fits: a folder with ``skin.glb`` (or one folder that has it) is a LAM avatar, a PLY whose
-    splats are bound to triangles one of GaussianAvatars, all else a sequence of PLY files.
-
-    Raises UsageError and ForeignFormatError.
-    """
-    path = Path(place)
-    if not LEAST_FRAMES <= wanted.frames <= MAX_FRAMES:
-        raise UsageError(f"--frames {wanted.frames}: choose from {LEAST_FRAMES} to {MAX_FRAMES}")
-    if not 1e-6 <= wanted.scale <= 1e6:
-        raise UsageError(f"--scale {wanted.scale}: give the metres of one of its units, such as 0.01 for centimetres")
-    inner = [path, *(sub for sub in sorted(path.iterdir()) if sub.is_dir())] if path.is_dir() else []
-    lams = [folder for folder in inner if (folder / MESH).exists()]
-    if len(lams) == 1:
-        return load_lam(lams[0]).source(perform(np.random.default_rng(wanted.seed), wanted.frames))
-    if lams:
-        raise UsageError(f"{place}: holds {len(lams)} avatars; give one, such as {lams[0]}")
-    if path.suffix in (".zip", ".glb", ".gem"):
-        raise UsageError(f"{place}: give a folder with {MESH} and offset.ply (unpack a .zip first), or PLY files")
-    splats = path / SPLATS if path.is_dir() else path
-    if wanted.meshes is not None or (splats.suffix == ".ply" and splats.is_file() and is_bound(splats)):
-        return open_bound(splats, wanted.meshes, wanted.scale)
-    return open_sequence(path, wanted.scale)
+def _save_moments(gem: Gem, avatar: Path, opened: Opened, out: Path) -> None:
+    """What the avatar does at each moment of its capture, as a track."""
+    assert opened.capture is not None
+    moments = {}
+    for timestep, frame in zip(opened.source.moments, opened.source.frames(), strict=True):
+        tracked = opened.capture.tracked(timestep)
+        moments[timestep] = Pose(gem.project(frame), tracked.rotation, translation=tracked.translation)
+    save_moments(gem.name, file_sha256(avatar), moments, out)
 
 
 def _kept(shares: np.ndarray, components: int) -> str:

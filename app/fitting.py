@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..render.camera import Camera
-from .cameras import load_camera, scaled
+from .cameras import load_camera
 from .casting import Avatar, expression_of, open_avatar
 from .errors import ExitCode, InputError, UsageError
 from .firstguess import Guesser
@@ -100,8 +100,7 @@ def _told(out: Path, frames: list[Fitted]) -> str:
     text = f"{out}: {len(frames)} frames, {np.median(quality):.1f} dB"
     if len(frames) > 1:
         text += f" (least {quality.min():.1f} in frame {quality.argmin()})"
-    text += f", {pace:.2f} s a frame"
-    return text
+    return f"{text}, {pace:.2f} s a frame"
 
 
 class _Fitter:
@@ -180,7 +179,7 @@ class _Fitter:
                 f"{wish.camera}: is a camera of {camera.width}x{camera.height}, {self._source.path} is"
                 f" {width}x{height}; give the one that took it"
             )
-        return scaled(camera, *self._size)
+        return camera.scaled(*self._size)
 
 
 def _express(cast: Avatar) -> Express | None:

@@ -34,6 +34,19 @@ class Camera:
         """[3] position of the pinhole in the world, metres."""
         return -self.world_to_camera[:3, :3].T @ self.world_to_camera[:3, 3]
 
+    def scaled(self, width: int, height: int) -> "Camera":
+        """The same view in a picture of another size."""
+        across, down = width / self.width, height / self.height
+        return Camera(
+            self.fx * across,
+            self.fy * down,
+            self.cx * across,
+            self.cy * down,
+            width,
+            height,
+            self.world_to_camera,
+        )
+
 
 def look_at(eye: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
     """world_to_camera [4, 4] of an upright camera at ``eye`` that looks at ``target``.

@@ -90,13 +90,15 @@ def distill(
     frames: int = 600,
     scale: float = 1.0,
     meshes: Path | None = None,
+    maps: int = 128,
+    moments: Path | None = None,
     seed: int = 0,
 ) -> int:
-    """Make an avatar of somebody else's: a LAM avatar, one of GaussianAvatars, or numbered PLY files of splats.
+    """Make an avatar of a training run, a capture's bare mesh, or somebody else's avatar.
 
     Args:
-        source: A folder with skin.glb and offset.ply (LAM); point_cloud.ply of GaussianAvatars, or its folder; or a PLY
-            file, a folder of them, or a quoted pattern.
+        source: The folder of a run or of a capture; a folder with skin.glb and offset.ply (LAM); point_cloud.ply of
+            GaussianAvatars, or its folder; or a PLY file of splats, a folder of them, or a quoted pattern.
         out: The .gem to write.
         components: How many components to keep of each modality.
         name: What people call it. Default: the name of the file.
@@ -106,12 +108,15 @@ def distill(
         frames: How many expressions a LAM avatar performs for it.
         scale: Metres of one unit of the PLY files (y up, the face looks along +z).
         meshes: The mesh of a GaussianAvatars PLY frame by frame: a folder of .npz or .obj. Default: meshes beside it.
+        maps: Texels along a side of the UV map of a capture's splats.
+        moments: Where to write what the avatar does at each moment of its capture, for `refine --start`.
         seed: Of the performance; the same seed and source give the same file.
     """
     from ..distilling import Wanted, run_distilling
 
     about = {"author": author, "licence": licence, "consent": consent}
-    return run_distilling(source, Path(out), Wanted(name, components, frames, seed, scale, meshes, about))
+    wanted = Wanted(name, components, frames, seed, scale, maps, moments, meshes, about)
+    return run_distilling(source, Path(out), wanted)
 
 
 def fit(
@@ -125,23 +130,32 @@ def fit(
     errors: Path | None = None,
     thorough: Annotated[bool, Parameter(negative="")] = False,
     rate: str = "30",
+    split: str = "test",
+    cameras: str | None = None,
 ) -> int:
     """Find the expression and the head's pose in pictures of an avatar (extra: pip install 'gemheads[train]').
 
     Args:
         avatar: Name of an avatar or a .gem file.
-        picture: A picture or video of that avatar or person, a folder of pictures, or numbered pictures.
+        picture: A picture or video of that avatar or person, a folder of pictures, numbered pictures, or a capture.
         out: The track to write, for `reenact --track`.
         camera: portrait is the view of `reenact`; else a JSON file with the camera that took the pictures.
         background: The colour behind the head (#rrggbb or a name); auto takes that of the first picture's upper edge.
         errors: A PNG of the frame that fits least: picture, fit, and where they differ.
         thorough: Take some seconds more for the first frame.
         rate: Frames per second of pictures.
+        split: Of a capture: train, val or test.
+        cameras: Of a capture: which cameras, such as 0,3. Default: four, spread over all.
     """
+    from ..capturefitting import CaptureWish, run_capture_fitting
     from ..fitting import FitWish, run_fitting
     from ..library import find_avatar
+    from ..opencapture import is_capture
     from ..words import read_rate
 
+    if is_capture(Path(picture)):
+        footage = CaptureWish(split, cameras, errors, thorough)
+        return run_capture_fitting(Path(picture), Path(out), find_avatar(avatar), footage)
     wish = FitWish(camera, background, errors, thorough, read_rate(rate))
     return run_fitting(picture, Path(out), find_avatar(avatar), wish)
 

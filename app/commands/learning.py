@@ -1,7 +1,7 @@
-"""Commands that make an avatar of a person's pictures: train."""
+"""Commands that make an avatar of a person's pictures: train and refine."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -29,3 +29,42 @@ def train(
     from ..avatartraining import TrainWish, run_avatar_training
 
     return run_avatar_training(capture, out, TrainWish(preset, steps, perceptual, seed))
+
+
+def refine(
+    avatar: str,
+    capture: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
+    iterations: int = 3000,
+    coefficients: Literal["free", "fixed"] = "free",
+    colors: Literal["free", "fixed"] = "free",
+    start: Path | None = None,
+    moments: Path | None = None,
+    sheet: Path | None = None,
+    perceptual: bool = True,
+    seed: int = 0,
+) -> int:
+    """Change an avatar's bases until its pictures are those of a capture (extra: pip install 'gemheads[train]').
+
+    Args:
+        avatar: Name of an avatar or a .gem file, distilled from this person.
+        capture: The folder of a capture.
+        out: The .gem to write. Default: the same file. It stays as it was where held-out pictures get no better.
+        iterations: Steps, each on one picture.
+        coefficients: Whether the expressions of the moments are changed, too.
+        colors: Whether the colours of the splats are.
+        start: A track with the expressions of the training moments, of `distill --moments` or `fit --split train`.
+            Default: what was tracked for an avatar of the bare mesh, else a fit.
+        moments: Where to write those expressions as they are after.
+        sheet: A PNG of held-out pictures: taken, before, after, and where it still differs.
+        perceptual: With the VGG term of equation 2, whose weights are fetched once; --no-perceptual without.
+        seed: The same seed, avatar and capture give the same avatar on a CPU.
+    """
+    from ..library import find_avatar
+    from ..refining import RefineWish, run_refining
+
+    path = find_avatar(avatar)
+    wish = RefineWish(iterations, coefficients, colors, start, moments, sheet, perceptual, seed)
+    return run_refining(path, capture, out or path, wish)

@@ -186,7 +186,7 @@ class _Run:
         return float(np.mean(values))
 
     def _step(self, step: int) -> float:
-        effort, lot = self._effort, self._deck.lot(step)
+        effort, lot = self._effort, self._deck.lot(step, "ground")
         share = step / effort.iterations
         for group in self._optimizer.param_groups:
             group["lr"] = group["rate"] * (LAST_RATE + (1 - LAST_RATE) * 0.5 * (1 + np.cos(np.pi * share)))
@@ -196,7 +196,7 @@ class _Run:
         image = self._drawn(shot, view)
         loss = photometric(image, view.picture)
         if self._perceptual is not None and step % effort.perceptual_every == 0:
-            seen, wanted = _parts((image, view.picture), effort.perceptual_side, lot)
+            seen, wanted = _parts((image, view.picture), effort.perceptual_side, self._deck.lot(step, "crop"))
             weight = effort.perceptual_weight * effort.perceptual_every
             loss = loss + weight * self._perceptual.feature_loss(seen, wanted)
         value = float(loss.detach())

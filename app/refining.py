@@ -1,0 +1,150 @@
+"""``gemheads refine``: the bases of an avatar, changed until its pictures are those of a capture."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from ..models.captures.baremesh import bare_moments
+from ..models.captures.layout import CaptureError
+from ..models.captures.reader import Capture
+from ..models.gem import Gem
+from ..models.gemfile import GemFormatError, save_gem
+from ..models.wholefile import file_sha256
+from .casting import Avatar, open_avatar
+from .errors import ExitCode, InputError, OutputError, UsageError
+from .moments import load_moments, save_moments
+from .opencapture import chosen, opened
+from .performance import Pose
+from .pictures import write_png
+from .progress import ProgressBar
+
+if TYPE_CHECKING:
+    from ..models.train.fit import Start
+    from ..models.train.perceptual import Perceptual
+    from ..models.train.refine import Refinement
+
+LEAST, MOST = 10, 10_000_000
+
+
+@dataclass(frozen=True)
+class RefineWish:
+    """What the command line asks for."""
+
+    iterations: int = 3000
+    coefficients: Literal["free", "fixed"] = "free"
+    colors: Literal["free", "fixed"] = "free"
+    start: Path | None = None
+    """A track with the training moments; None projects the bare mesh, or else fits."""
+    moments: Path | None = None
+    """Where they go as they are after."""
+    sheet: Path | None = None
+    perceptual: bool = True
+    seed: int = 0
+
+
+def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> ExitCode:
+    """Refine, save the better avatar, and say what came of it. Raises CommandError.
+
+    Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED.
+    """
+    try:
+        from ..models.train.refine import RefineEffort, refine
+        from ..models.train.train_avatar import default_device
+    except ImportError as error:
+        raise InputError(f"refining needs {error.name}; install it: pip install 'gemheads[train]'") from error
+    if not LEAST <= wish.iterations <= MOST:
+        raise UsageError(f"--iterations {wish.iterations}: choose from {LEAST} to {MOST}")
+    if wish.seed < 0:
+        raise UsageError(f"--seed {wish.seed}: choose 0 or more")
+    if out.suffix != ".gem":
+        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    cast, footage = open_avatar(avatar), opened(capture)
+    effort = RefineEffort(
+        wish.iterations, coefficients=wish.coefficients == "free", colors=wish.colors == "free", seed=wish.seed
+    )
+    network = _perceptual() if wish.perceptual else None
+    try:
+        with ProgressBar() as bar:
+            begin = _begin(cast, footage, wish, bar)
+            answer = refine(cast.gem, footage, begin, effort, network, bar.reach, default_device())
+    except (CaptureError, FloatingPointError) as error:
+        raise InputError(str(error)) from error
+    except ValueError as error:
+        raise InputError(f"{avatar}: cannot be refined on {capture}: {error}") from error
+    _save(answer, cast, footage, out)
+    if wish.moments is not None:
+        poses = {time: Pose(m.coefficients, m.pose.turn, translation=m.pose.move) for time, m in answer.moments.items()}
+        save_moments(answer.gem.name, file_sha256(out), poses, wish.moments)
+    if wish.sheet is not None:
+        from .refinesheet import refine_sheet
+
+        write_png(refine_sheet(footage, (cast.gem, begin), (answer.gem, answer.moments)), wish.sheet)
+    print(_told(answer, cast, out, bool(footage.val)))
+    return ExitCode.INTERRUPTED if answer.stopped else ExitCode.OK
+
+
+def _begin(cast: Avatar, footage: Capture, wish: RefineWish, bar: ProgressBar) -> "dict[int, Start]":
+    """Expression and pose with which each training moment begins."""
+    from ..models.train.fit import HeadPose, Start
+    from ..models.train.fitcapture import fit_moments
+
+    if wish.start is not None:
+        known = load_moments(wish.start, cast)
+        return {time: Start(pose.coefficients, HeadPose(pose.turn, pose.translation)) for time, pose in known.items()}
+    bare = bare_moments(footage, cast.gem)
+    if bare is not None:
+        bar.say(f"{cast.path}: is the bare mesh of {footage.folder}: it begins at what was tracked")
+        found = {}
+        for time, coefficients in bare.items():
+            tracked = footage.tracked(time)
+            found[time] = Start(coefficients, HeadPose(tracked.rotation, tracked.translation))
+        return found
+    total = len(footage.timesteps("train"))
+    bar.say(f"{cast.path}: its {total} moments are fitted first; `distill --moments` and --start spare that")
+    found = {}
+    for moment in fit_moments(cast.gem, footage, chosen(footage, "train", None)):
+        found[moment.timestep] = Start(moment.fit.coefficients, moment.fit.pose)
+        bar.reach("fit", len(found), total)
+    return found
+
+
+def _perceptual() -> "Perceptual":
+    from ..models.train.perceptual import Perceptual, WeightsMissing
+    from ..models.train.train_avatar import default_device
+
+    try:
+        return Perceptual("vgg", default_device())
+    except WeightsMissing as error:
+        raise InputError(f"{error}; --no-perceptual refines without the VGG term") from error
+
+
+def _save(answer: "Refinement", cast: Avatar, footage: Capture, out: Path) -> None:
+    """The better avatar; nothing is written where that is the one that is there."""
+    if not answer.improved and out.exists() and out.samefile(cast.path):
+        return
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        save_gem(_signed(answer, footage) if answer.improved else cast.gem, out)
+    except GemFormatError as error:
+        raise InputError(f"{cast.path}: gives no sound avatar: {error.what}; {error.cure}") from error
+    except OSError as error:
+        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+
+
+def _signed(answer: "Refinement", footage: Capture) -> Gem:
+    """The avatar, saying how it came to be."""
+    before = answer.gem.about.get("source", "")
+    source = f"{before}{'; ' if before else ''}refined on {footage.folder.name}, {answer.iterations} steps"
+    return replace(answer.gem, about={**answer.gem.about, "source": source})
+
+
+def _told(answer: "Refinement", cast: Avatar, out: Path, held_out: bool) -> str:
+    judges = "the held-out camera" if held_out else "training pictures set aside"
+    steps = f"{answer.iterations} steps" + (", stopped" if answer.stopped else "")
+    if not answer.improved:
+        best = max((quality for done, quality in answer.curve if done), default=answer.before)
+        return f"{out}: stays as it was: {answer.before:.2f} dB on {judges}, {best:.2f} dB at best after {steps}"
+    lines = [f"{out}: {answer.before:.2f} -> {answer.after:.2f} dB on {judges}, {steps}"]
+    if cast.gem.regressor is not None:
+        lines.append(f"its regressor knew the old bases and is left out; train one: gemheads train-regressor {out}")
+    return "\n".join(lines)
