@@ -1,12 +1,10 @@
 """The command `train`: what it refuses before anything starts, and what it tells."""
 
-import sys
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
-sys.path.insert(0, str(Path(__file__).parents[1] / "models" / "train"))
 
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode

@@ -1,13 +1,9 @@
 """The CNN avatar: what it answers untrained, that gradients reach all of it, and that a mesh carries its splats."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
-sys.path.insert(0, str(Path(__file__).parent))
 
 from gemheads.models.captures.layout import Tracked  # noqa: E402
 from gemheads.models.captures.texels import Texels, texels_of  # noqa: E402

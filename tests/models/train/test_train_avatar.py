@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
-sys.path.insert(0, str(Path(__file__).parent))
 
+import toycapture  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
 from gemheads.models.train.deck import Deck, spaced  # noqa: E402
@@ -26,7 +26,6 @@ from gemheads.models.train.plan import PRESETS, Plan  # noqa: E402
 from gemheads.models.train.run_source import run_source  # noqa: E402
 from gemheads.models.train.runs import CHECKPOINT, RunError, open_run, read_checkpoint  # noqa: E402
 from gemheads.models.train.train_avatar import PATIENCE, RETURNS, train_avatar  # noqa: E402
-from toycapture import write_capture  # noqa: E402
 
 BRIEF = Plan(
     32, 4, 2, steps=30, colors_first=8, checkpoint_every=5, preview_every=15, perceptual_every=2, perceptual_side=24
@@ -35,7 +34,7 @@ BRIEF = Plan(
 
 @pytest.fixture(scope="module")
 def capture(tmp_path_factory: pytest.TempPathFactory) -> Capture:
-    return open_capture(write_capture(tmp_path_factory.mktemp("toy") / "capture"))
+    return open_capture(toycapture.write_capture(tmp_path_factory.mktemp("toy") / "capture"))
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +77,7 @@ def test_thirty_steps_learn(trained: Path) -> None:
 def test_killed_at_any_moment_it_comes_to_the_same(capture: Capture, trained: Path, tmp_path: Path) -> None:
     code = (
         "import sys, pathlib\n"
-        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        f"sys.path += {[str(Path(__file__).parent), str(Path(toycapture.__file__).parent)]!r}\n"
         "from test_train_avatar import BRIEF, TINY, Perceptual, open_capture, train_avatar\n"
         f"train_avatar(open_capture(pathlib.Path({str(capture.folder)!r})), pathlib.Path({str(tmp_path)!r}),"
         " BRIEF, Perceptual(TINY))\n"
