@@ -1,8 +1,10 @@
 """Whose face it is: what an avatar's file says about its origin, as one line for the person and for credentials."""
 
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
-from .casting import Avatar
+if TYPE_CHECKING:
+    from .casting import Avatar
 
 LONGEST_TEXT = 600
 """More of a text from a file is not shown."""
@@ -42,7 +44,7 @@ class Origin:
 NO_CONSENT = "no consent recorded: if this is a real person's face, ask before you show it"
 
 
-def origin_of(avatar: Avatar) -> Origin:
+def origin_of(avatar: "Avatar") -> Origin:
     """What an opened avatar says about itself."""
     about = avatar.gem.about
     texts = {key: plain(about.get(key, "")).strip() for key in ("author", "licence", "consent", "source")}

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .options import AvatarName, EngineName, Size
+from .options import AvatarName, EngineName, NoBadge, Size
 
 
 def live(
@@ -17,6 +17,7 @@ def live(
     size: Size = "512x512",
     engine: EngineName = "auto",
     listen: str | None = None,
+    no_badge: NoBadge = None,
 ) -> int:
     """Open a window with an avatar in it that does what your face does; nothing leaves this computer.
 
@@ -30,14 +31,17 @@ def live(
         size: Width x height of the avatar's picture in pixels, both even; the window may be of any size.
         engine: What draws; auto measures once and takes the faster.
         listen: Take orders by OSC at HOST:PORT, or at PORT of this computer only; `?` in the window names them.
+        no_badge: Leave the SYNTHETIC badge out of what is recorded, and why: the reason goes into the credentials.
     """
     from ..desk.command import live_command
     from ..errors import UsageError
+    from ..reasons import read_reason
     from ..words import read_size
 
     if driver is not None and camera is not None:
         raise UsageError("give a driver or --camera, not both")
     if components is not None and components < 1:
         raise UsageError(f"--components {components}: choose at least 1")
+    reason = read_reason(no_badge)
     wanted = "" if camera is not None and camera.lower() == "any" else camera
-    return live_command(driver, avatar, wanted, components, read_size(size), engine, listen)
+    return live_command(driver, avatar, wanted, components, read_size(size), engine, listen, no_badge=reason)

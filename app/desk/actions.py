@@ -97,6 +97,8 @@ ACTIONS: tuple[Action, ...] = (
     _one("microphone", "Record the microphone too", "Outputs", "Ctrl+M", "switch"),
     _one("picture", "Save a picture", "Outputs", "P"),
     _one("virtual_camera", "Virtual camera", "Outputs", "V", "switch"),
+    _one("badge", "SYNTHETIC badge, or why there is none ...", "Outputs", "Ctrl+B", "text"),
+    _one("camera_badge", "Badge in the virtual camera too", "Outputs", "Shift+V", "switch"),
     _one("clean_window", "Clean window", "Outputs", "W", "switch"),
     _one("coefficients", "Coefficients by OSC", "Outputs", "O", "switch"),
     _one("panels", "Panels", "Window", "Tab", "switch"),

@@ -35,6 +35,7 @@ def live_command(
     engine: EngineName = "auto",
     listen: str | None = None,
     welcome: bool = True,
+    no_badge: str = "",
 ) -> ExitCode:
     """Open the window and stay until it is closed.
 
@@ -46,6 +47,7 @@ def live_command(
         size: width and height of the avatar's picture in pixels.
         engine: what draws.
         listen: HOST:PORT for orders by OSC.
+        no_badge: why what is recorded carries no SYNTHETIC badge; empty: it carries one.
         welcome: show the card of the first run when neither driver nor camera is given.
 
     Raises:
@@ -56,6 +58,7 @@ def live_command(
     roster = opening_roster(avatar, settings.avatar)
     remote = Remote(*read_listen(listen)) if listen is not None else None
     state = replace(recalled(DeskState(), settings), welcome=welcome and driver is None and camera is None)
+    state = replace(state, no_badge=no_badge)
     if components is not None:
         state = replace(state, components=components)
     try:

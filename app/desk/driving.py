@@ -7,6 +7,7 @@ from ..capture import Capture
 from ..casting import Avatar
 from ..errors import CommandError
 from ..inputs.source import Opener, Transport
+from ..origin import origin_of
 from ..shots import Health, Shot
 from ..tuning import GROUPS, Tuning
 from .actions import Order
@@ -69,6 +70,8 @@ class Driving:
         except CommandError as error:
             self._tell(str(error), True)
             return False
+        if not (origin := origin_of(avatar)).consented:
+            self._tell(origin.said(), False)
         return True
 
     def newest(self) -> Shot | None:

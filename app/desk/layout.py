@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from . import theme
-from .panels import avatars, curve, driver, explorer, figures, help, notices, prompt, stage, welcome
+from .panels import avatars, curve, driver, explorer, figures, help, notices, prompt, reason, stage, welcome
 from .panels.controls import Ask, packed
 from .picture import Area
 from .view import DeskView
@@ -57,7 +57,16 @@ def laid_out(view: DeskView, width: float, height: float) -> Layout:
 def covers(view: DeskView) -> bool:
     """Whether anything lies over the picture, which then cannot be drawn without it."""
     state = view.state
-    modes = (state.welcome, state.help, state.prompt, state.curve, state.menu, state.compare, state.resting)
+    modes = (
+        state.welcome,
+        state.help,
+        state.prompt,
+        state.asking_reason,
+        state.curve,
+        state.menu,
+        state.compare,
+        state.resting,
+    )
     return any(modes) or notices.said(view)
 
 
@@ -66,6 +75,7 @@ class Panels:
 
     def __init__(self) -> None:
         self._prompt = prompt.Prompt()
+        self._reason = reason.Reason()
         self._walked = False
 
     def draw(self, view: DeskView, ask: Ask, layout: Layout, shown: Area | None) -> None:
@@ -101,7 +111,7 @@ class Panels:
 
     def _cards(self, view: DeskView, ask: Ask, area: Area) -> None:
         state = view.state
-        if state.help or state.prompt:
+        if state.help or state.prompt or state.asking_reason:
             screen = imgui.get_io().display_size
             shade = packed(theme.GROUND, 0.6)
             imgui.get_background_draw_list().add_rect_filled(imgui.ImVec2(0, 0), screen, shade)
@@ -109,6 +119,8 @@ class Panels:
             _card("help", help.WIDTH, help.keys_help, view, ask, area)
         elif state.prompt:
             _card("prompt", prompt.WIDTH, self._prompt.draw, view, ask, area)
+        elif state.asking_reason:
+            _card("reason", reason.WIDTH, self._reason.draw, view, ask, area)
         elif state.curve:
             _card("curve", curve.WIDTH, curve.curve, view, ask, area)
         elif state.welcome:

@@ -1,9 +1,12 @@
 """Switches the outputs on and off as the state says, and says how they do."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
+from ..casting import Avatar
+from ..origin import origin_of
 from ..senders.fan import Fan
 from ..senders.oscout import CoefficientsOut
 from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name
@@ -29,6 +32,7 @@ class Outputs:
 
     def settle(self, state: DeskState) -> tuple[Order, ...]:
         """Turn on and off what the state wants; orders for switches whose output ended by itself."""
+        self.fan.marks = replace(self.fan.marks, no_badge=state.no_badge, camera_badge=state.camera_badge)
         ended = []
         for name, label in NAMES.items():
             if not getattr(state, name):
@@ -39,6 +43,11 @@ class Outputs:
             elif not self.fan.running(label):
                 ended.append(Order(name, 0.0))
         return tuple(ended)
+
+    def introduce(self, avatar: Avatar) -> None:
+        """Whose face this one is, before it is seen: credentials name it."""
+        origins = {**self.fan.marks.origins, avatar.sha256: origin_of(avatar)}
+        self.fan.marks = replace(self.fan.marks, origins=origins)
 
     def picture(self) -> None:
         """Save the next picture."""

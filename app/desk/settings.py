@@ -30,6 +30,7 @@ REMEMBERED = (
     "exposure",
     "warmth",
     "ui_scale",
+    "camera_badge",
 )
 """Fields of DeskState. Outputs are not among them: none goes on by itself."""
 

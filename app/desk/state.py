@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ...models.gem import CLAMP_SIGMAS, MODALITIES
+from ..reasons import is_reason
 from .actions import BY_NAME, Order
 
 BACKGROUNDS = ("studio", "grey", "white", "black", "green", "blue", "transparent")
@@ -91,6 +92,12 @@ class DeskState:
     microphone: bool = False
     """Whether the next recording has sound."""
     virtual_camera: bool = False
+    no_badge: str = ""
+    """Why recordings and pictures carry no SYNTHETIC badge; empty: they carry one, as at every start."""
+    asking_reason: bool = False
+    """Whether the reason is being typed."""
+    camera_badge: bool = False
+    """Whether the virtual camera carries the badge too."""
     clean_window: bool = False
     coefficients: bool = False
     ladder: bool = True
@@ -110,8 +117,8 @@ class DeskState:
 
 
 SWITCHES = frozenset(
-    "compare error_map curve loop head_pose mirror curtain record microphone virtual_camera clean_window coefficients"
-    " panels figures ladder walk menu full_screen help".split()
+    "compare error_map curve loop head_pose mirror curtain record microphone virtual_camera camera_badge clean_window"
+    " coefficients panels figures ladder walk menu full_screen help".split()
 )
 RANGES: dict[str, tuple[float, float]] = {
     "split": (0.0, 1.0),
@@ -233,9 +240,19 @@ def _sigma(state: DeskState, order: Order) -> DeskState:
     return replace(state, exploring=replace(exploring, on=True, sigmas=sigmas))
 
 
+def _badge(state: DeskState, order: Order) -> DeskState:
+    """A reason takes the badge away; 1, or nothing while it is away, brings it back; else the reason is asked for."""
+    if isinstance(order.value, str):
+        reason = " ".join(order.value.split())
+        return replace(state, no_badge=reason, asking_reason=False) if is_reason(reason) else state
+    if order.value or (order.value is None and state.no_badge):
+        return replace(state, no_badge="", asking_reason=False)
+    return replace(state, asking_reason=not state.asking_reason and not state.no_badge)
+
+
 def _leave(state: DeskState, order: Order) -> DeskState:
     """Esc: the topmost mode goes, one at a time."""
-    for mode in ("prompt", "menu", "help", "walk", "resting", "curve", "compare", "full_screen"):
+    for mode in ("prompt", "asking_reason", "menu", "help", "walk", "resting", "curve", "compare", "full_screen"):
         if getattr(state, mode):
             return replace(state, **{mode: False})
     if state.exploring.on:
@@ -253,6 +270,7 @@ _RULES: dict[str, Callable[[DeskState, Order], DeskState]] = {
     "explored_modality": _explored_modality,
     "explored_component": _explored_component,
     "sigma": _sigma,
+    "badge": _badge,
     "unexplore": lambda state, _: replace(state, exploring=replace(state.exploring, sigmas=(), sweep=False)),
     "frame": lambda state, _: replace(state, zoom=1.0),
     "reset_view": lambda state, _: replace(state, zoom=1.0, yaw=0.0, pitch=0.0, at_limit=False),

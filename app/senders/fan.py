@@ -3,7 +3,7 @@
 import time
 
 from ..performance import Pose
-from .outlet import Image, Opener, Shown
+from .outlet import Image, Marks, Opener, Shown
 from .worker import Report, Worker
 
 
@@ -13,6 +13,8 @@ class Fan:
     def __init__(self) -> None:
         self._workers: dict[str, Worker] = {}
         self._finishing: list[Worker] = []
+        self.marks = Marks()
+        """Goes with every picture from now on."""
 
     @property
     def listening(self) -> bool:
@@ -58,7 +60,7 @@ class Fan:
             return
         own = picture.copy()
         own.flags.writeable = False
-        shown = Shown(own, shown_at, pose, avatar)
+        shown = Shown(own, shown_at, pose, avatar, self.marks)
         for worker in listeners:
             worker.offer(shown)
 

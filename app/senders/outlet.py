@@ -1,15 +1,28 @@
 """What every output is: something that takes pictures, in a thread of its own, and may take its time."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..origin import Origin
 from ..performance import Pose
 
 Image = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What outputs have to say about the pictures of now."""
+
+    no_badge: str = ""
+    """Why recordings and pictures carry no badge; empty where they carry one."""
+    camera_badge: bool = False
+    """Whether the virtual camera carries one too."""
+    origins: Mapping[str, Origin] = field(default_factory=dict)
+    """SHA-256 of an avatar's file -> whose face it is."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +37,12 @@ class Shown:
     """What the avatar does in it."""
     avatar: str = ""
     """SHA-256 of the avatar's file."""
+    marks: Marks = field(default_factory=Marks)
+
+    @property
+    def origin(self) -> Origin | None:
+        """Whose face it shows, where that is known."""
+        return self.marks.origins.get(self.avatar)
 
 
 class Outlet(Protocol):

@@ -5,7 +5,12 @@ from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
 
+from ..badge import badged
+from ..credentials.papers import Papers
+from ..credentials.signing import open_signer
+from ..credentials.statement import Driver, Statement
 from ..errors import OutputError, UsageError
+from ..origin import Origin
 from ..sinks import FolderSink, Sink, VideoSink
 from .fitting import Size, even, fitted
 from .microphone import Microphone
@@ -56,6 +61,9 @@ class Recording:
         self._start: float | None = None
         self._due, self._looked = 1.0, 0.0
         self._count, self._seconds, self._failed = 0, 0.0, False
+        self._signer = open_signer()[0]
+        self._origins: dict[str, Origin] = {}
+        self._no_badge = self._signed = ""
         try:
             self._sink = self._opened(transparent)
         except BaseException:
@@ -77,6 +85,11 @@ class Recording:
             return
         self._due -= 1
         picture = fitted(shown.picture, self._size, self._backdrop)
+        if shown.origin is not None:
+            self._origins[shown.avatar] = shown.origin
+        self._no_badge = shown.marks.no_badge or self._no_badge
+        if not shown.marks.no_badge:
+            picture = badged(picture)
         self._failed = True
         self._sink.write(self._count, picture, round(seconds / TIME_BASE))
         self._failed = False
@@ -93,8 +106,11 @@ class Recording:
             kept = self.path if self.path.exists() else self._sink.partial
             if self._count == 0:
                 self._remove_empty()
+        if self.path.is_file():
+            self._signed = self._papers().sign(self.path)
         size = f"{self._megabytes():.1f} MB"
         self.status = f"saved {kept}: {self._seconds:.1f} s, {size}" if self._count else "nothing was recorded"
+        self.status += f", {self._signed}" if self._signed else ""
 
     def _opened(self, transparent: bool) -> Sink:
         if self.path.exists():
@@ -102,9 +118,13 @@ class Recording:
         if not self.path.suffix:
             if self._microphone is not None:
                 raise UsageError(f"{self.path}: PNGs hold no sound; turn the microphone off, or name a video")
-            return FolderSink(self.path, TIME_BASE, resume=False)
+            return FolderSink(self.path, TIME_BASE, False, lambda png: self._papers().signed_png(png))
         sound = self._microphone.into if self._microphone is not None else None
         return VideoSink(self.path, self._size, TIME_BASE, Fraction(self._rate), transparent, sound)
+
+    def _papers(self) -> Papers:
+        """What is signed: all avatars that were seen, and that a badge was missing, if only for a moment."""
+        return Papers(self._signer, Statement(tuple(self._origins.values()), Driver("live"), self._no_badge))
 
     def _megabytes(self) -> float:
         for path in (self.path, self._sink.partial):

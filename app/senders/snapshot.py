@@ -1,10 +1,15 @@
 """One picture as a PNG, alpha kept: it appears whole or not at all, and never takes the place of another."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 
+from ..badge import badged
+from ..credentials.papers import Papers
+from ..credentials.signing import open_signer
+from ..credentials.statement import Driver, Statement
 from ..errors import OutputError
 from .outlet import Image, Shown
 
@@ -16,7 +21,7 @@ class Snapshot:
 
     def __init__(self, folder: Path) -> None:
         """Raises OutputError when the folder cannot be made."""
-        self._folder = folder
+        self._folder, self._signer = folder, open_signer()[0]
         self.status = "waiting for a picture"
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -25,14 +30,20 @@ class Snapshot:
 
     def send(self, shown: Shown) -> None:
         """Write a picture."""
-        self.status = f"saved {save_picture(shown.picture, self._folder)}"
+        picture = shown.picture if shown.marks.no_badge else badged(shown.picture)
+        origins = (shown.origin,) if shown.origin is not None else ()
+        papers = Papers(self._signer, Statement(origins, Driver("live"), shown.marks.no_badge))
+        path = save_picture(picture, self._folder, papers.signed_png)
+        self.status = f"saved {path}" + (f", {papers.said}" if papers.said else "")
 
     def close(self) -> None:
         """Nothing is left open."""
 
 
-def save_picture(picture: Image, folder: Path) -> Path:
+def save_picture(picture: Image, folder: Path, signed: Callable[[bytes], bytes] = bytes) -> Path:
     """Writes a picture [H, W, 3] or [H, W, 4] with straight alpha into ``folder`` and gives its name.
+
+    ``signed`` puts credentials into the bytes of the PNG.
 
     Raises OutputError; then nothing is left behind.
     """
@@ -41,7 +52,7 @@ def save_picture(picture: Image, folder: Path) -> Path:
     aside = folder / f".{STEM}.{os.getpid()}.partial"
     try:
         try:
-            aside.write_bytes(data.tobytes())
+            aside.write_bytes(signed(data.tobytes()))
             return _named(aside, folder)
         finally:
             aside.unlink(missing_ok=True)

@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 from typing import Any, Protocol
 
+from ..badge import badged
 from ..errors import OutputError
 from .fitting import Size, even, fitted
 from .loopback import INSTALL, MAKE_ONE, Loopback, LoopbackCamera, loopbacks
@@ -37,7 +38,8 @@ class VirtualCamera:
 
     def send(self, shown: Shown) -> None:
         """Show one picture. Raises OutputError."""
-        self._device.send(fitted(shown.picture, self._size, self._backdrop))
+        picture = fitted(shown.picture, self._size, self._backdrop)
+        self._device.send(badged(picture) if shown.marks.camera_badge else picture)
 
     def close(self) -> None:
         """Let the device go."""

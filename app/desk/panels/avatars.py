@@ -2,6 +2,7 @@
 
 from imgui_bundle import imgui
 
+from ...origin import NO_CONSENT, plain
 from .. import theme
 from ..view import DeskView
 from .controls import Ask, at_right, button, columns, dial, faint, heading, hint, rule, switch, text
@@ -90,5 +91,7 @@ def licence(view: DeskView, ask: Ask) -> None:
         view.avatar.name.capitalize() or "No avatar", f"{view.avatar.splats:,} splats" if view.avatar.splats else ""
     )
     for name in ("licence", "consent", "author"):
-        if about.get(name):
-            faint(f"{name.capitalize()}: {about[name]}")
+        if words := plain(about.get(name, "")).strip():
+            faint(f"{name.capitalize()}: {words}")
+        elif name == "consent" and view.avatar.name:
+            text(f"{NO_CONSENT.capitalize()}.", theme.WARNING)

@@ -48,6 +48,11 @@ def outputs(view: DeskView, ask: Ask) -> None:
     imgui.same_line()
     button(view, ask, "curtain", "Curtain", width=width, lit=state.curtain)
     switch(view, ask, "microphone", "Record sound too", state.microphone)
+    switch(view, ask, "badge", "SYNTHETIC badge", not state.no_badge)
+    if state.virtual_camera:
+        switch(view, ask, "camera_badge", "Badge in the camera too", state.camera_badge)
+    if state.no_badge:
+        faint(f"No badge: {state.no_badge}")
     for line in view.outputs:
         words = f"{line.name}: {line.status}" + (f", {line.drops} skipped" if line.drops else "")
         text(words, theme.ALARM) if line.failed else faint(words)

@@ -94,10 +94,11 @@ def test_what_is_transparent_shows_a_chequerboard(desk: DeskOffscreen) -> None:
     [
         (view(help=True), 0.5),
         (view(prompt=True), 0.05),
+        (view(asking_reason=True), 0.05),
         (replace(view(curve=True), curve=Curve(np.array([1.0, 9]), np.array([1.0, 9]), np.array([30.0, 60]))), 0.1),
         (view(curve=True), 0.01),
     ],
-    ids=["help", "prompt", "curve", "curve being measured"],
+    ids=["help", "prompt", "reason", "curve", "curve being measured"],
 )
 def test_cards_lie_in_the_middle_over_the_picture(desk: DeskOffscreen, what: DeskView, covered: float) -> None:
     white = np.full((64, 64, 3), 255, np.uint8)
@@ -203,6 +204,20 @@ def test_a_path_can_be_typed_and_its_letters_are_no_keys(desk: DeskOffscreen) ->
     desk.show(None, what)
     desk.show(None, what)
     assert Order("open", "film.mp4") in desk.poll()
+
+
+def test_a_badge_is_left_out_only_with_a_reason(desk: DeskOffscreen) -> None:
+    what = view(asking_reason=True)
+    shown(desk, what, halves())
+    why = "now it is a test of this"
+    for words, orders in ((why[:2], []), (why[2:], [Order("badge", why)])):
+        desk.show(None, what)
+        desk.type(words)
+        desk.show(None, what)
+        desk.key("Enter")
+        desk.show(None, what)
+        desk.show(None, what)
+        assert [order for order in desk.poll() if order.name == "badge"] == orders
 
 
 def test_walking_by_keys_reaches_the_panels(desk: DeskOffscreen) -> None:

@@ -32,7 +32,7 @@ def test_what_is_remembered_comes_back(tmp_path: Path) -> None:
 
 
 def test_no_output_and_no_camera_goes_on_by_itself() -> None:
-    assert not {"record", "virtual_camera", "clean_window", "coefficients", "curtain"} & set(REMEMBERED)
+    assert not {"record", "virtual_camera", "clean_window", "coefficients", "curtain", "no_badge"} & set(REMEMBERED)
 
 
 @pytest.mark.parametrize(

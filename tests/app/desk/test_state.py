@@ -35,6 +35,20 @@ def test_a_switch_toggles_without_a_value_and_is_set_by_one(name: str) -> None:
     assert getattr(update(before, Order(name, 0.0)), name) is False
 
 
+def test_the_badge_goes_only_with_a_reason_and_comes_back_without_one() -> None:
+    asked = update(DeskState(), Order("badge"))
+    assert asked.asking_reason
+    assert not asked.no_badge
+    assert update(asked, Order("leave")) == DeskState()
+    assert update(asked, Order("badge", "because")) == asked
+    away = update(asked, Order("badge", "  the channel says\nso itself "))
+    assert (away.no_badge, away.asking_reason) == ("the channel says so itself", False)
+    for value in (None, 1.0):
+        assert update(away, Order("badge", value)) == DeskState()
+    assert update(DeskState(), Order("badge", 0.0)) == asked
+    assert update(DeskState(), Order("badge", 1.0)) == DeskState()
+
+
 def test_components_go_by_fives_between_one_and_all() -> None:
     state = DeskState(limits=Limits(components=12))
     seen = []
