@@ -1,22 +1,22 @@
 """Looking through an ONNX graph of unknown origin before onnxruntime reads it; field numbers as in onnx.proto."""
 
+from .onnx_rows import OPERATORS, check_rows
 from .protobuf import fields, message, text
 
-ALLOWED_OPERATORS = frozenset(
-    """Add Cast Clip Concat Constant Div Flatten Gather Gemm Identity MatMul Max Min Mul Neg Pow Relu Reshape Sigmoid
-    Slice Softplus Split Sqrt Squeeze Sub Tanh Transpose Unsqueeze""".split()
-)
-"""Arithmetic that ends: no loops, no branches, no operators of foreign domains."""
+ALLOWED_OPERATORS = OPERATORS
+"""Arithmetic on rows that ends: no loops, no branches, no operators of foreign domains."""
 _MAX_NODES = 512
 _MODEL_GRAPH, _MODEL_FUNCTIONS = 7, 25
 _GRAPH_NODE, _GRAPH_INITIALIZER, _GRAPH_SPARSE = 1, 5, 15
 _NODE_TYPE, _NODE_ATTRIBUTE, _NODE_DOMAIN = 4, 5, 7
 _ATTRIBUTE_TENSOR, _ATTRIBUTE_GRAPH, _ATTRIBUTE_TENSORS, _ATTRIBUTE_GRAPHS = 5, 6, 10, 11
+_ATTRIBUTE_SPARSE, _ATTRIBUTE_SPARSES = 22, 23
 _TENSOR_EXTERNAL, _TENSOR_LOCATION = 13, 14
 
 
-def check_graph(model: bytes) -> None:
-    """Makes sure that a model is one graph of at most 512 allowed operators with all its data inside.
+def check_graph(model: bytes, input_width: int) -> None:
+    """Makes sure that a model is one graph of at most 512 allowed operators with all its data inside, and that all it
+    computes are rows of bounded width; the widest input has ``input_width`` numbers.
 
     Raises ValueError saying what is not so.
     """
@@ -27,6 +27,7 @@ def check_graph(model: bytes) -> None:
         if number == _MODEL_GRAPH:
             graphs += 1
             _check_contents(message(value))
+            check_rows(message(value), input_width)
     if graphs != 1:
         raise ValueError(f"it holds {graphs} ONNX graphs instead of one")
 
@@ -55,6 +56,8 @@ def _check_node(node: memoryview) -> None:
             for inner, content in fields(message(value)):
                 if inner in (_ATTRIBUTE_GRAPH, _ATTRIBUTE_GRAPHS):
                     raise ValueError("its ONNX graph holds graphs inside operators")
+                if inner in (_ATTRIBUTE_SPARSE, _ATTRIBUTE_SPARSES):
+                    raise ValueError("its ONNX graph has sparse tensors")
                 if inner in (_ATTRIBUTE_TENSOR, _ATTRIBUTE_TENSORS):
                     _check_tensor(message(content))
 

@@ -30,6 +30,15 @@ def fields(message: bytes | memoryview) -> Iterator[tuple[int, int | memoryview]
         at += size
 
 
+def packed(content: memoryview) -> list[int]:
+    """The varints of a packed field. Raises ValueError when the last one is cut off."""
+    numbers, at = [], 0
+    while at < len(content):
+        number, at = _varint(content, at)
+        numbers.append(number)
+    return numbers
+
+
 def text(value: int | memoryview) -> str:
     """A string field. Raises ValueError when the field is not one."""
     if isinstance(value, int):

@@ -26,8 +26,8 @@ class Regressor:
         """Opens an ONNX graph that came with an avatar.
 
         The graph is looked through before any of it runs: its size, its operators (arithmetic only), no data outside,
-        and the names, types and shapes of its inputs and its output, which must have ``coefficients`` values where
-        given. The clamp to +-3 sigma is part of the graph.
+        only rows of bounded width, and the names, types and shapes of its inputs and its output, which must have
+        ``coefficients`` values where given; then it is run once. The clamp to +-3 sigma is part of the graph.
 
         Raises:
             RegressorError: saying what is wrong with it.
@@ -35,7 +35,7 @@ class Regressor:
         if len(graph) > MAX_BYTES:
             raise RegressorError(f"a regressor of {len(graph) / 2**20:.0f} MB is refused: the limit is 32 MB")
         try:
-            check_graph(graph)
+            check_graph(graph, DIMENSION)
             self._session = open_session(graph, "the avatar's regressor")
         except (ValueError, NetworkError) as error:
             raise RegressorError(f"the avatar's regressor cannot be used: {error}") from error
@@ -62,22 +62,34 @@ class Regressor:
         self.coefficients: int = shape[1]
         """Length of the coefficient vector."""
         self.failures = 0
-        """How many answers were not finite and were replaced by the last good one."""
+        """How many answers failed or were not finite, and were replaced by the last good one."""
         self._last = np.zeros(self.coefficients, np.float32)
+        at_rest = {FEATURES_INPUT: np.zeros((1, DIMENSION), np.float32), ROTATION_INPUT: np.zeros((1, 3), np.float32)}
+        if self._answer(at_rest) is None:
+            raise RegressorError("the avatar's regressor cannot be used: it has no answer to a face at rest")
 
     def __call__(self, relative_features: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
         """The coefficients [coefficients] for relative features r [D] and the head's rotation from its neutral [3].
 
-        A NaN or infinity anywhere gives the last good answer again (at first zeros) and is counted.
+        A NaN or infinity anywhere, or a failure, gives the last good answer again (at first zeros) and is counted.
         """
         values = {
             FEATURES_INPUT: np.asarray(relative_features, np.float32).reshape(1, DIMENSION),
             ROTATION_INPUT: np.asarray(rotation, np.float32).reshape(1, 3),
         }
-        answer = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
-        given = all(np.isfinite(value).all() for value in values.values())  # a clamp in the graph may hide a NaN
-        if not given or not np.isfinite(answer).all():
+        answer = self._answer(values)
+        if answer is None:
             self.failures += 1
             return self._last.copy()
         self._last = answer
         return answer.copy()
+
+    def _answer(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32] | None:
+        """The graph's answer [coefficients]; None where there is none of use."""
+        if not all(np.isfinite(value).all() for value in values.values()):  # a clamp in the graph may hide a NaN
+            return None
+        try:
+            answer = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
+        except Exception:  # a bound above the other; onnxruntime raises a dozen unrelated classes
+            return None
+        return answer if answer.shape == (self.coefficients,) and np.isfinite(answer).all() else None

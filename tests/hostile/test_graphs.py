@@ -1,0 +1,164 @@
+"""ONNX graphs from avatars of strangers: of allowed operators too one can make a bomb."""
+
+import resource
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+from gemheads.models.driver.features import DIMENSION
+from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT, Regressor, RegressorError
+from onnx import TensorProto, helper, numpy_helper
+
+
+def model(
+    nodes: Sequence[onnx.NodeProto],
+    constants: dict[str, np.ndarray] | None = None,
+    inputs: Sequence[onnx.ValueInfoProto] = (),
+) -> onnx.ModelProto:
+    """These nodes between the features and ``answer``, of which the first seven numbers are the coefficients."""
+    known = {
+        "first": np.array([0]),
+        "last": np.array([7]),
+        "across": np.array([1]),
+        "turn": np.zeros((3, 7), np.float32),
+        **(constants or {}),
+    }
+    body = [
+        *nodes,
+        helper.make_node("Slice", ["answer", "first", "last", "across"], ["sliced"]),
+        helper.make_node("MatMul", [ROTATION_INPUT, "turn"], ["turned"]),
+        helper.make_node("Add", ["sliced", "turned"], [OUTPUT]),
+    ]
+    given = ((FEATURES_INPUT, DIMENSION), (ROTATION_INPUT, 3))
+    graph = helper.make_graph(
+        body,
+        "regressor",
+        [*(helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, size]) for name, size in given), *inputs],
+        [helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, [1, 7])],
+        [numpy_helper.from_array(values, name) for name, values in known.items()],
+    )
+    return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
+
+
+def refused(bomb: onnx.ModelProto, said: str) -> None:
+    began, before = time.process_time(), resident()
+    with pytest.raises(RegressorError, match=said) as caught:
+        Regressor(bomb.SerializeToString(), 7)
+    assert time.process_time() - began < 2
+    assert resident() - before < 2**26
+    assert len(str(caught.value)) < 500
+    assert "\n" not in str(caught.value)
+
+
+def resident() -> int:
+    """Bytes at the peak."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def identity() -> list[onnx.NodeProto]:
+    return [helper.make_node("Identity", [FEATURES_INPUT], ["answer"])]
+
+
+def test_a_graph_like_these_that_is_harmless_answers() -> None:
+    features = np.arange(DIMENSION)
+    regressor = Regressor(model(identity()).SerializeToString(), 7)
+    np.testing.assert_array_equal(regressor(features, np.zeros(3)), features[:7])
+
+
+def test_a_kilobyte_that_doubles_itself_to_gigabytes() -> None:
+    nodes = [
+        helper.make_node("Concat", [f"y{i}" if i else FEATURES_INPUT] * 2, [f"y{i + 1}"], axis=1) for i in range(22)
+    ]
+    refused(model([*nodes, helper.make_node("Identity", ["y22"], ["answer"])]), "more than a regressor needs")
+
+
+def test_constants_that_double_themselves_while_the_file_is_opened() -> None:
+    """onnxruntime 1.31 aborts the program when their length has more than 32 bits."""
+    nodes = [helper.make_node("Concat", [f"y{i}"] * 2, [f"y{i + 1}"], axis=1) for i in range(22)]
+    ones = {"y0": np.ones((1, 1000), np.float32)}
+    refused(model([*nodes, helper.make_node("Identity", ["y22"], ["answer"])], ones), "what was there before")
+
+
+@pytest.mark.parametrize(
+    ("node", "said"),
+    [
+        (helper.make_node("Transpose", [FEATURES_INPUT], ["answer"], perm=[1, 0]), "'Transpose', which is not allowed"),
+        (helper.make_node("Add", [FEATURES_INPUT, "column"], ["answer"]), "more than a row"),
+        (helper.make_node("Add", [FEATURES_INPUT, "cube"], ["answer"]), "more than a row"),
+        (helper.make_node("Concat", [FEATURES_INPUT] * 2, ["answer"], axis=0), "joins more than rows"),
+        (helper.make_node("Concat", [FEATURES_INPUT] * 2, ["answer"]), "joins more than rows"),
+        (helper.make_node("MatMul", [FEATURES_INPUT, FEATURES_INPUT], ["answer"]), "no row times a constant matrix"),
+        (helper.make_node("MatMul", ["column", FEATURES_INPUT], ["answer"]), "no row times a constant matrix"),
+        (helper.make_node("MatMul", [FEATURES_INPUT, "cube"], ["answer"]), "no row times a constant matrix"),
+        (helper.make_node("Gemm", [FEATURES_INPUT, "row"], ["answer"], transA=1), "makes a column"),
+        (helper.make_node("Gemm", [FEATURES_INPUT, "row", "column"], ["answer"]), "no row times a constant matrix"),
+        (helper.make_node("Clip", [FEATURES_INPUT, "row", "row"], ["answer"]), "more than single constants"),
+        (helper.make_node("Identity", ["row"], ["answer"]), "what was there before"),
+        (helper.make_node("Identity", ["nobody"], ["answer"]), "what was there before"),
+        (helper.make_node("Identity", [FEATURES_INPUT], ["row"]), "a name that is taken"),
+        (helper.make_node("Identity", [FEATURES_INPUT], ["answer", "more"]), "what was there before"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value.op_type,
+)
+def test_whatever_makes_more_than_a_row(node: onnx.NodeProto, said: str) -> None:
+    shapes = {"column": (1000, 1), "row": (1, 1000), "cube": (10, 10, 10)}
+    refused(model([node], {name: np.ones(shape, np.float32) for name, shape in shapes.items()}), said)
+
+
+def test_work_for_an_hour() -> None:
+    """500 products with one and the same matrix of a megabyte."""
+    names = [FEATURES_INPUT, *(f"m{i}" for i in range(499)), "answer"]
+    nodes = [helper.make_node("MatMul", [names[i], "large"], [names[i + 1]]) for i in range(500)]
+    refused(model(nodes, {"large": np.zeros((DIMENSION, DIMENSION), np.float32)}), "more than a regressor needs")
+
+
+def test_an_input_with_a_constant_of_its_name() -> None:
+    given = helper.make_tensor_value_info("many", TensorProto.FLOAT, [1, 7])
+    refused(model(identity(), {"many": np.zeros((1, 7), np.float32)}, [given]), "an input that is a constant too")
+
+
+def test_a_failure_later_on_gives_the_last_good_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    regressor = Regressor(model(identity()).SerializeToString(), 7)
+    good = regressor(np.ones(DIMENSION), np.zeros(3))
+
+    class Broken:
+        def run(self, *_: object) -> None:
+            raise RuntimeError("Non-zero status code returned while running a node")
+
+    monkeypatch.setattr(regressor, "_session", Broken())
+    np.testing.assert_array_equal(regressor(np.zeros(DIMENSION), np.zeros(3)), good)
+    assert regressor.failures == 1
+
+
+def test_a_sparse_constant_of_gigabytes() -> None:
+    values = numpy_helper.from_array(np.ones(1, np.float32), "v")
+    places = numpy_helper.from_array(np.zeros(1, np.int64), "i")
+    sparse = helper.make_sparse_tensor(values, places, [1, 2**30])
+    refused(model([helper.make_node("Neg", [FEATURES_INPUT], ["answer"], sparse_value=sparse)]), "sparse tensors")
+
+
+def test_graphs_within_operators_and_functions() -> None:
+    inner = helper.make_graph(identity(), "inner", [], [])
+    refused(model([helper.make_node("Neg", [FEATURES_INPUT], ["answer"], body=inner)]), "graphs inside operators")
+    refused(model([helper.make_node("Loop", [], ["answer"], body=inner)]), "'Loop', which is not allowed")
+    called = model(identity())
+    called.functions.append(helper.make_function("ai.onnx", "Add", [], [], identity(), [helper.make_opsetid("", 17)]))
+    refused(called, "functions of its own")
+
+
+@pytest.mark.parametrize("location", ["/etc/passwd", "../../secret", "/dev/zero"])
+def test_data_outside_of_the_file(location: str) -> None:
+    outside = TensorProto(name="secret", data_type=TensorProto.FLOAT, dims=[7], data_location=TensorProto.EXTERNAL)
+    outside.external_data.add(key="location", value=location)
+    among_constants = model(identity())
+    among_constants.graph.initializer.append(outside)
+    refused(among_constants, "data outside of itself")
+    refused(model([helper.make_node("Neg", [FEATURES_INPUT], ["answer"], value=outside)]), "data outside of itself")
+
+
+def test_a_graph_larger_than_any_regressor(tmp_path: Path) -> None:
+    with pytest.raises(RegressorError, match="the limit is 32 MB"):
+        Regressor(bytes(2**25 + 1))
