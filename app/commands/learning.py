@@ -1,9 +1,51 @@
-"""Commands that make an avatar of a person's pictures: train and refine."""
+"""Commands from a person's pictures to an avatar: capture, train and refine."""
 
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
+
+from .options import Size
+
+
+def capture(
+    out: Path,
+    /,
+    *,
+    subject: str = "ada",
+    cameras: int = 16,
+    size: Size = "802x550",
+    split: str = "96+32",
+    held_out: int | None = None,
+    background: str = "white",
+    tracking_noise: float = 0.0,
+    seed: int = 0,
+) -> int:
+    """Film a synthetic person with many cameras, for train, refine and fit; the same again goes on.
+
+    Args:
+        out: The capture's folder: a new one, or one that holds the same capture, finished or not.
+        subject: Who performs.
+        cameras: How many, over the front half.
+        size: Width x height of each picture.
+        split: How many moments to learn from + how many of other expressions to be judged by.
+        held_out: Which camera is kept for judging, from 0. Default: the most frontal.
+        background: #rrggbb or a name; the masks say where the person is.
+        tracking_noise: Millimetres by which the tracked mesh is off, smoothly, as real trackers are.
+        seed: The same seed gives the same performance.
+    """
+    from ...models.studio.shoot import Plan
+    from ..capturing import read_split, run_capturing
+    from ..errors import UsageError
+    from ..words import read_colour, read_size
+
+    width, height = read_size(size)
+    moments, held = read_split(split)
+    colour = read_colour(background)
+    if colour is None:
+        raise UsageError("--background transparent: a picture has a ground; the masks say where the person is")
+    plan = Plan(cameras, width, height, moments, held, held_out, colour, tracking_noise / 1000, seed)
+    return run_capturing(out, subject, plan)
 
 
 def train(

@@ -32,8 +32,8 @@ def creases(canvas: Floats, seed: int) -> Floats:
 
 def _fold(x: Floats, y: Floats) -> Floats:
     """From the wing of the nose past the corner of the mouth."""
-    path = np.interp(y, [-90, -72, -55, -40], [37.0, 34.0, 27.0, 19.0])
-    return _bell(x - path, 1.7) * _window(y, -62, 25)
+    path = np.interp(y, [-90, -72, -55, -40], [39.0, 35.0, 28.0, 20.0])
+    return 0.7 * _bell(x - path, 2.2) * _window(y, -56, 15)
 
 
 def _rows(height: Floats, apart: float, wide: float) -> Floats:

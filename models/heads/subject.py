@@ -32,6 +32,8 @@ VERTEX_M = 1e-6
 SHEEN_RANGE = 2.0
 """What 255 means in the map of sheen."""
 JPEG_QUALITY = 90
+NAPE = -0.028
+"""Metres: hair that hangs lower stands off the neck."""
 PART_NAMES = ("skin", "eyes", "teeth", "tongue")
 
 
@@ -70,7 +72,9 @@ def _pieces(head: Head) -> _Pieces:
     unwrapped = unwrap(head)
     on_canvas = head.canvas[head.triangles].mean(1)
     upper = (head.parts == LASHES) & (on_canvas[:, 1] > 0) & (np.abs(on_canvas[:, 0]) < LASH_END)
-    loose = np.flatnonzero(upper | (head.parts == HAIR))
+    middle = head.vertices[head.triangles].mean(1)
+    hair = (head.parts == HAIR) & (middle[:, 1] > NAPE)
+    loose = np.flatnonzero(upper | hair)
     tracked = np.unique(head.triangles[unwrapped.faces])
     rest = np.setdiff1d(head.triangles[loose], tracked)
     vertices = np.concatenate([tracked, rest])

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..captures.headmotion import posed
+from ..heads.maps import sample_map, strokes
 from ..heads.puppet import gaze_turn
 from .lamps import Lighting, studio_light
 from .raster import CUT
@@ -18,8 +19,10 @@ from .subject import Subject, linear
 Floats = NDArray[np.floating]
 
 SKULL = np.array([0.0, 0.035, -0.01])
-HAIR_DEPTH_M = 5e-3
+HAIR_DEPTH_M = 10e-3
 """How deep strands lie in the hair: it shades its inside, not itself."""
+STROKES_PX = 9.0
+"""Over so many pixels of the hair's picture the direction of strands is averaged."""
 EYE_LIFT = 0.06
 """Least irradiance on eyes and teeth, whose own light the lids and lips would swallow."""
 
@@ -55,7 +58,7 @@ class Moment:
     slopes: NDArray[np.float32]
     """[F, 2, 3] gradients of u and v along the surface."""
     strands: NDArray[np.float32]
-    """[F, 3] the direction of hair; zeros elsewhere."""
+    """[L, 3, 3] the direction of hair at the corners of the cards."""
     eyes: NDArray[np.float32]
     """[2, 7] middle of each eyeball, where it looks, its radius."""
 
@@ -73,7 +76,7 @@ class Stage:
 
     @cached_property
     def _neighbours(self) -> Neighbours:
-        return neighbours_of(self.subject.puppet.vertices, self.subject.template.triangles)
+        return neighbours_of(self.subject.puppet.vertices, self.subject.triangles)
 
     @cached_property
     def _blockers(self) -> NDArray[np.int32]:
@@ -106,6 +109,7 @@ class Stage:
         shares = spread(shares, self._neighbours, (0.0012,) * shares.shape[1])
         pale = np.unique(subject.template.triangles[np.isin(subject.template.parts, (1, 2))])
         light[pale] = np.maximum(light[pale], EYE_LIFT)
+        slopes = _slopes(vertices, triangles, self.uv)
         return Moment(
             vertices=vertices,
             normals=normals,
@@ -113,8 +117,8 @@ class Stage:
             mean=mean,
             shares=shares,
             folds=folded(subject.puppet.vertices, vertices, subject.template.triangles, self._neighbours),
-            slopes=_slopes(vertices, triangles, self.uv),
-            strands=self._strands(vertices),
+            slopes=slopes,
+            strands=self._strands(slopes),
             eyes=self._eyes(act, vertices),
         )
 
@@ -128,13 +132,28 @@ class Stage:
             rows.append([*here, *(ahead - here), puppet.eye_radius])
         return np.array(rows, np.float32)
 
-    def _strands(self, vertices: Floats) -> NDArray[np.float32]:
-        """Hair runs down its picture: the direction in which v falls."""
-        first = len(self.subject.template.triangles)
-        down = -_slopes(vertices, self.subject.card_triangles, self.uv[first:])[:, 1]
-        strands = np.zeros((len(self.parts), 3), np.float32)
-        strands[first:] = down / np.maximum(np.linalg.norm(down, axis=1, keepdims=True), 1e-9)
-        return strands
+    @cached_property
+    def _strokes(self) -> NDArray[np.float32]:
+        """[L, 3, 2] which way the strands run on their picture, in u and v, at the corners of the cards."""
+        subject = self.subject
+        double = sample_map(0.5 + 0.5 * _stroke_field(subject.hair), subject.card_uv.reshape(-1, 2)) * 2 - 1
+        angle = 0.5 * np.arctan2(double[:, 1], double[:, 0])
+        return np.stack([np.cos(angle), np.sin(angle)], 1).reshape(-1, 3, 2).astype(np.float32)
+
+    def _strands(self, slopes: Floats) -> NDArray[np.float32]:
+        """[L, 3, 3] the strokes on the posed cards, those of one card all to the same side."""
+        slopes = slopes[len(self.subject.template.triangles) :].astype(np.float64)
+        # dP/du and dP/dv are the pseudoinverse of the slopes
+        gram = np.linalg.inv(slopes @ slopes.swapaxes(1, 2) + 1e-9 * np.eye(2))
+        strands = self._strokes @ (gram @ slopes)
+        strands /= np.maximum(np.linalg.norm(strands, axis=2, keepdims=True), 1e-12)
+        sides = np.sign((strands * strands[:, :1]).sum(2, keepdims=True))
+        return (strands * np.where(sides == 0, 1, sides)).astype(np.float32)
+
+
+def _stroke_field(hair: NDArray[np.float32]) -> NDArray[np.float32]:
+    rgba = np.concatenate([np.repeat(hair[..., :1], 3, -1), (hair[..., 1:] > CUT).astype(np.float32)], -1)
+    return strokes(rgba, STROKES_PX)
 
 
 def _normals(vertices: Floats, triangles: NDArray[np.integer]) -> NDArray[np.float32]:

@@ -14,7 +14,8 @@ FOLD_DARKENS = 0.42
 SKIN_F0, EYE_F0, TOOTH_F0 = 0.028, 0.025, 0.045
 ROUGH = (0.30, 0.16)
 """The two lobes of skin, GGX's alpha; the first has two thirds."""
-OILY = 1.5
+OILY = 3.0
+HAIR_SHINE = 0.12
 EYE_ROUGH, TOOTH_ROUGH = 0.03, 0.12
 GLINT_COS = (0.9805, 0.9865)
 """Edge of a lamp's bright middle as a wet eye mirrors it."""
@@ -63,8 +64,8 @@ def shade(
         folds: [V] compression.
         eyes: [2, 4] middles of the eyeballs and their radius; [2, 3] where they look follow in ``eye`` below.
         lobes, room: the lamps [n, 7] and the even radiance [3].
-        albedo, detail, hair: maps, as ``Subject`` has them; ``hair_color`` [2, 3] linear; ``hair_along`` [F, 3] the
-            direction of strands, zeros elsewhere.
+        albedo, detail, hair: maps, as ``Subject`` has them; ``hair_color`` [2, 3] linear; ``hair_along`` [L, 3, 3] the
+            direction of strands at the corners of the cards.
         eye: [3] position of the camera.
         image: [H, W, 4] the answer.
     """
@@ -113,16 +114,21 @@ def shade(
                     base[k] = hair_color[0, k] + (hair_color[1, k] - hair_color[0, k]) * min(
                         max((level - 0.45) * 1.6, 0.0), 1.0
                     )
-                tx, ty, tz = hair_along[t, 0], hair_along[t, 1], hair_along[t, 2]
+                card = t - (len(triangles) - len(hair_along))
+                tx = hair_along[card, 0, 0] * wa + hair_along[card, 1, 0] * wb + hair_along[card, 2, 0] * wc
+                ty = hair_along[card, 0, 1] * wa + hair_along[card, 1, 1] * wb + hair_along[card, 2, 1] * wc
+                tz = hair_along[card, 0, 2] * wa + hair_along[card, 1, 2] * wb + hair_along[card, 2, 2] * wc
+                length = 1 / max(np.sqrt(tx * tx + ty * ty + tz * tz), 1e-6)
+                tx, ty, tz = tx * length, ty * length, tz * length
                 for lamp in range(lamps):
                     hx, hy, hz = vx + lobes[lamp, 0], vy + lobes[lamp, 1], vz + lobes[lamp, 2]
                     length = 1 / max(np.sqrt(hx * hx + hy * hy + hz * hz), 1e-6)
-                    along = (tx * hx + ty * hy + tz * hz) * length
+                    along = (tx * hx + ty * hy + tz * hz) * length + 0.5 * (level - 0.5)
                     share = shares[a, lamp] * wa + shares[b, lamp] * wb + shares[c, lamp] * wc
                     toward = max(nx * lobes[lamp, 0] + ny * lobes[lamp, 1] + nz * lobes[lamp, 2] + 0.2, 0.0)
-                    power = 0.10 * (0.4 + level) * share * toward * max(1 - along * along, 0.0) ** 24
+                    power = HAIR_SHINE * level * level * share * toward * max(1 - along * along, 0.0) ** 20
                     for k in range(3):
-                        shine[k] += power * lobes[lamp, 3 + k] * (0.5 + 2 * base[k])
+                        shine[k] += power * lobes[lamp, 3 + k] * (0.2 + 8 * base[k])
                 for k in range(3):
                     image[row, column, k] = (base[k] * lit[k] * (0.35 + 0.9 * level) + shine[k]) * EXPOSURE
             else:
@@ -150,7 +156,7 @@ def shade(
                         lit[k] *= bent + (1 - bent) * (0.25 if k == 0 else 0.0)
                 elif part == EYES:
                     f0, sheen, alpha, second = EYE_F0, 1.0, EYE_ROUGH, EYE_ROUGH
-                    side = 0 if px * 0 + vertices[a, 0] == vertices[a, 0] and uv[t, 0, 0] > 0.478 else 1
+                    side = 0 if u > 0.478 else 1  # as heads/unwrap.py lays them out
                     ox, oy, oz = px - eyes[side, 0], py - eyes[side, 1], pz - eyes[side, 2]
                     length = 1 / max(np.sqrt(ox * ox + oy * oy + oz * oz), 1e-9)
                     off = (ox * eyes[side, 3] + oy * eyes[side, 4] + oz * eyes[side, 5]) * length
