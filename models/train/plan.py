@@ -20,9 +20,9 @@ class Plan:
     """Pictures a step, all of one moment: the network answers once for them."""
     colors_first: int = 100
     """So many steps learn the colours of the bare mesh, before anything moves. At ``steps`` it is a bare mesh."""
-    network_rate: float = 1e-3
+    network_rate: float = 2e-3
     """Learning rates fall along half a cosine to 2 % of these: of the network ..."""
-    constant_rate: float = 1e-2
+    constant_rate: float = 2e-2
     """... of the part of the residuals that no expression changes ..."""
     color_rate: float = 1e-2
     """... and of the colours; twice that while they are learned alone."""
@@ -34,9 +34,9 @@ class Plan:
     """Pixels of the random square that it looks at; None is the whole picture."""
     focus: float = 2.0
     """How much more a pixel of mouth and eyes counts than one elsewhere."""
-    offset_weight: float = 1e-3
+    offset_weight: float = 2e-4
     """Of the mean squared offset, in units of cnn.STEP."""
-    growth_weight: float = 1e-3
+    growth_weight: float = 2e-4
     """Of the mean squared change of the log scales, in the same units."""
     checkpoint_every: int = 100
     preview_every: int = 500
