@@ -66,7 +66,7 @@ def _perceptual(plan: "Plan") -> "Perceptual | None":
     if not plan.perceptual:
         return None
     from ..models.train.perceptual import Perceptual, WeightsMissing
-    from ..models.train.train_avatar import default_device
+    from ..models.train.runs import default_device
 
     try:
         return Perceptual("vgg", default_device())

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import torch
 
+from ...render.diff import cuda
 from ...render.diff.tensors import RawTensors
 from ...render.gaussians import RawGaussians
 from ..captures.layout import Tracked
@@ -56,7 +57,9 @@ class Run:
     def splats(self, tracked: Tracked) -> RawGaussians:
         """The splats of an expression in canonical space; the head's pose is for ``posing.pose_head``."""
         with torch.no_grad():
-            raw, _ = self.avatar(moment_of(self.texels, tracked), self.step <= self.plan.colors_first)
+            raw, _ = self.avatar(
+                moment_of(self.texels, tracked, self.avatar.rest.device), self.step <= self.plan.colors_first
+            )
         return arrays_of(raw)
 
 
@@ -84,7 +87,12 @@ def open_run(folder: Path, capture: Path | None = None) -> Run:
     texels = texels_of(opened.template, config.plan.size)
     avatar = CnnAvatar(texels, config.plan.architecture)
     load(avatar, state["avatar"], folder)
-    return Run(folder, opened, config.plan, int(state["step"]), texels, avatar.eval())
+    return Run(folder, opened, config.plan, int(state["step"]), texels, avatar.to(default_device()).eval())
+
+
+def default_device() -> torch.device:
+    """CUDA where gsplat draws, else the CPU."""
+    return torch.device("cpu" if cuda.missing() else "cuda")
 
 
 def load(avatar: CnnAvatar, weights: Mapping[str, Any], folder: Path) -> None:

@@ -15,7 +15,6 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ...render.diff import cuda
 from ...render.diff.tensors import activate
 from ..captures.reader import Capture
 from ..captures.texels import texels_of
@@ -35,6 +34,7 @@ from .runs import (
     PREVIEWS,
     Config,
     RunError,
+    default_device,
     load,
     read_checkpoint,
     read_config,
@@ -116,11 +116,6 @@ def begin_run(folder: Path, config: Config) -> None:
     if before is None:
         folder.mkdir(parents=True, exist_ok=True)
         write_config(folder, config)
-
-
-def default_device() -> torch.device:
-    """CUDA where gsplat draws, else the CPU."""
-    return torch.device("cpu" if cuda.missing() else "cuda")
 
 
 class Trainer:
@@ -261,6 +256,9 @@ class Trainer:
             raise RunError(self.folder / CHECKPOINT, f"does not fit ({error})", cure) from error
 
     def _keep(self) -> None:
+        """Writes the checkpoint, unless the weights are what it shall save from."""
+        if not all(bool(torch.isfinite(parameter).all()) for parameter in self.avatar.parameters()):
+            return
         state = {
             "step": self.step,
             "avatar": self.avatar.state_dict(),

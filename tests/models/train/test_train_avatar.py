@@ -144,7 +144,7 @@ def test_weights_that_went_bad_are_taken_back(
 
     def splats(self: Stage, timestep: int, bare: bool = False) -> object:
         calls.append(timestep)
-        if len(calls) == 11:
+        if len(calls) == 9:  # the next checkpoint is due before patience ends
             with torch.no_grad():
                 self.avatar.colors.fill_(float("nan"))
         return sound(self, timestep, bare)
