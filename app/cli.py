@@ -53,6 +53,11 @@ def main(arguments: list[str] | None = None) -> int:
         return ExitCode.INTERRUPTED
     except BrokenPipeError:
         return ExitCode.OUTPUT
+    except MemoryError:
+        print(
+            "error: the memory is full; close other programs, or ask for less (--size, --components)", file=sys.stderr
+        )
+        return ExitCode.UNEXPECTED
     except Exception as error:
         if debug:
             raise

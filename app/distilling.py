@@ -1,5 +1,6 @@
 """``gemheads distill``: a capture, a run, or somebody else's avatar becomes an avatar of our own."""
 
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,11 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
             raise InputError(str(error)) from error
         except ValueError as error:
             raise InputError(f"{place}: {error}; leave that frame out") from error
+        except OSError as error:  # frames wait on the disk
+            where = tempfile.gettempdir()
+            raise OutputError(
+                f"{where}: no room for the frames ({error.strerror}); free some space, or set TMPDIR to a larger place"
+            ) from error
         for note in source.notes:
             bar.say(f"{place}: {note}")
     try:

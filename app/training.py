@@ -1,35 +1,51 @@
 """Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
 
+import tempfile
 from pathlib import Path
 
-from .errors import ExitCode, InputError
+from .errors import ExitCode, InputError, OutputError
 from .progress import ProgressBar
 
 
 def run_training(
     avatar: Path, out: Path | None, videos: list[Path], companions: list[Path], pictures: int, steps: int, seed: int
 ) -> ExitCode:
-    """Train the regressor of an avatar file and save the avatar with it. Raises InputError."""
+    """Train the regressor of an avatar file and save the avatar with it. Raises InputError and OutputError."""
     try:
+        from ..models.train.response import AvatarNotSeen
         from ..models.train.train_regressor import train_regressor
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     for video in videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
-    with ProgressBar() as bar:
-        report = train_regressor(
-            avatar,
-            out,
-            companions=companions,
-            videos=videos,
-            pictures=pictures,
-            steps=steps,
-            seed=seed,
-            progress=bar.reach,
-        )
+    _check_place((out or avatar).parent)
+    try:
+        with ProgressBar() as bar:
+            report = train_regressor(
+                avatar,
+                out,
+                companions=companions,
+                videos=videos,
+                pictures=pictures,
+                steps=steps,
+                seed=seed,
+                progress=bar.reach,
+            )
+    except (ValueError, AvatarNotSeen) as error:  # a GemFormatError, or what is wrong with a video
+        raise InputError(str(error)) from error
+    except OSError as error:
+        raise OutputError(f"{out or avatar}: cannot be written ({error.strerror}); check the folder") from error
     print(
         f"{out or avatar}: regressor trained on {report.pictures} pictures; the avatar's response is known to"
         f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
     )
     return ExitCode.OK
+
+
+def _check_place(folder: Path) -> None:
+    """Raises OutputError now rather than after an hour, where nothing can be written."""
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another place with --out") from error

@@ -1,0 +1,41 @@
+"""Memory runs out: it is told, and what can go on goes on."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gemheads.app import export
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+from gemheads.render.camera import Camera, look_at
+from gemheads.render.engines import FastestEngine
+from gemheads.render.gaussians import RawGaussians
+from gemheads.render.software import SoftwareEngine
+
+
+def out_of_memory(*_: object, **__: object) -> None:
+    raise MemoryError
+
+
+def test_a_command_says_that_the_memory_is_full(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(export, "export_expression", out_of_memory)
+    assert main(["export", "mara", "-o", str(tmp_path / "a.ply")]) == ExitCode.UNEXPECTED
+    error = capsys.readouterr().err
+    assert error.startswith("error: the memory is full; close other programs")
+    assert error.count("\n") == 1
+
+
+def test_an_engine_without_memory_falls_to_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    quads = SoftwareEngine()
+    monkeypatch.setattr(quads, "name", "quads", raising=False)
+    monkeypatch.setattr(quads, "draw", out_of_memory)
+    monkeypatch.setattr(FastestEngine, "_decided", "quads")
+    engine = FastestEngine(quads, SoftwareEngine())
+    camera = Camera(50, 50, 8, 8, 16, 16, look_at([0, 0, 1], [0, 0, 0]))
+    ones = (np.zeros((4, 3)), np.tile([1.0, 0, 0, 0], (4, 1)), np.full((4, 3), -3), np.full(4, 3), np.ones((4, 3)))
+    raw = RawGaussians(*(np.asarray(part, np.float32) for part in ones))
+    assert engine.draw(raw, camera).any()
+    assert engine.name == "software"
+    engine.close()

@@ -1,0 +1,73 @@
+"""Files that this user may not read: each reader says so in its own error, and nothing else happens."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+if not hasattr(os, "getuid"):
+    pytest.skip("permissions are those of POSIX", allow_module_level=True)
+
+PROGRAM = """
+import json, os, sys, tempfile
+from pathlib import Path
+from fuzz.formats import FORMATS
+import gemheads.app.weights, gemheads.models.importers.lam
+try:
+    import scipy
+except ImportError:
+    pass
+
+said = {}
+folder = Path(sys.argv[1])
+paths = {}
+for name, kind in FORMATS.items():
+    place = folder / name
+    place.mkdir()
+    paths[name] = place / kind.name
+    paths[name].write_bytes(kind.honest(place))
+    kind.read(paths[name])  # what reading imports is loaded before the rights are given up
+    paths[name].chmod(0)
+if os.getuid() == 0:
+    os.setuid(65534)
+for name, kind in FORMATS.items():
+    try:
+        kind.read(paths[name])
+        said[name] = ["read", ""]
+    except kind.error as error:
+        said[name] = ["refused", str(error)]
+    except Exception as error:
+        said[name] = [type(error).__name__, str(error)]
+print(json.dumps(said))
+"""
+OTHERWISE = {"gem", "settings", "osc", "onnx"}
+"""Formats whose reader in tests/fuzz does not raise, or that are no files."""
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """Format -> how reading it went, and the message."""
+    folder = tmp_path_factory.mktemp("unreadable")
+    for place in (folder, *folder.parents):
+        if place.stat().st_uid == os.getuid() and place != Path("/tmp"):
+            place.chmod(place.stat().st_mode | 0o055)  # the folders, but not the files, are open to the other user
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    command = [sys.executable, "-c", PROGRAM, str(folder)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=100, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_every_reader_says_so(said: dict[str, list[str]]) -> None:
+    for name, (how, message) in said.items():
+        if name not in OTHERWISE:
+            assert how == "refused", (name, how, message)
+            assert "ermission denied" in message, (name, message)
+    assert len(said) > 10
+
+
+def test_settings_that_cannot_be_read_are_no_reason_to_stop(said: dict[str, list[str]]) -> None:
+    assert said["settings"][0] == "read"
