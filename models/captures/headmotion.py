@@ -38,10 +38,11 @@ def estimated(vertices: Floats, template: Floats, neck_weights: Floats, pivot: F
 
 def _turned(offsets: Floats, shares: Floats, rotation: Floats) -> Floats:
     """Rodrigues' formula with a share of the angle for each point."""
-    angle = float(np.linalg.norm(rotation))
+    axis = np.asarray(rotation, np.float64)
+    angle = float(np.linalg.norm(axis))
     if angle < 1e-9:
         return offsets
-    axis = np.asarray(rotation, np.float64) / angle
+    axis = axis / angle
     cos, sin = np.cos(shares * angle)[:, None], np.sin(shares * angle)[:, None]
     return offsets * cos + np.cross(axis, offsets) * sin + axis * (offsets @ axis)[:, None] * (1 - cos)
 
