@@ -2,6 +2,8 @@
 # make test     everything that is checked: lint, types, layers, tests
 # make avatars  rebuild assets/avatars from their ingredients
 # make lint     the quick half of make test
+# make lock     the versions and hashes that CI installs, anew (asks the package index)
+# make licences the licences of all that is installed, and build/sbom.json, its bill of materials
 
 PYTHON ?= python3
 VENV := .venv
@@ -11,7 +13,7 @@ WINDOW_PACKAGES := xvfb xdotool
 SYSTEM := build/system.stamp
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test avatars lint clean
+.PHONY: demo test avatars lint lock licences clean
 
 demo: $(VENV)/base.stamp $(VENV)/warm.stamp
 	$(BIN)/gemheads demo
@@ -28,22 +30,30 @@ lint: $(VENV)/dev.stamp
 avatars: $(VENV)/avatars.stamp
 	$(BIN)/python -m gemheads.models.heads
 
+lock: $(VENV)/dev.stamp
+	$(BIN)/pip install --quiet pip-tools
+	$(BIN)/python .ci/lock
+
+licences: $(VENV)/dev.stamp
+	$(BIN)/python -m tests.supply.licences train dev
+	@mkdir -p build && $(BIN)/python -m tests.supply.sbom train dev > build/sbom.json && echo build/sbom.json
+
 # The drawing kernels are compiled once (half a minute) and kept, so that no picture ever waits for them.
 $(VENV)/warm.stamp: $(VENV)/base.stamp $(wildcard render/*.py models/posing.py models/gem.py)
 	@echo "Compiling the drawing kernels, once (up to half a minute) ..."
 	@$(BIN)/python -m gemheads.app.warm
 	@touch $@
 
-$(VENV)/base.stamp: $(VENV)/bin/python pyproject.toml constraints.txt $(SYSTEM)
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+$(VENV)/base.stamp: $(VENV)/bin/python pyproject.toml constraints.txt .ci/install .ci/requirements.txt $(SYSTEM)
+	.ci/install $(BIN)
 	@touch $@
 
 $(VENV)/dev.stamp: $(VENV)/base.stamp
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[train,dev]'
+	.ci/install $(BIN) '[train,dev]'
 	@touch $@
 
 $(VENV)/avatars.stamp: $(VENV)/base.stamp
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[avatars]'
+	.ci/install $(BIN) '[avatars]'
 	@touch $@
 
 $(VENV)/bin/python:
