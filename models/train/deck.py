@@ -43,7 +43,16 @@ class Deck:
 
 
 def spaced(shots: Sequence[Shot], count: int) -> list[Shot]:
-    """So many of the shots, evenly spaced over the whole list."""
+    """So many of the shots, the middles of equal parts of the list; all where there are no more."""
     if len(shots) <= count:
         return list(shots)
-    return [shots[index] for index in np.linspace(0, len(shots) - 1, count).round().astype(int)]
+    return [shots[int((part + 0.5) * len(shots) / count)] for part in range(count)]
+
+
+def frontal(shots: Sequence[Shot]) -> list[Shot]:
+    """Those of the camera that sees most of the face: the one most in front of the canonical head."""
+    if not shots:
+        return []
+    ahead = {shot.camera_index: shot.camera.center[2] / np.linalg.norm(shot.camera.center) for shot in shots}
+    best = max(ahead, key=ahead.__getitem__)
+    return [shot for shot in shots if shot.camera_index == best]

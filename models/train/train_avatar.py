@@ -21,7 +21,7 @@ from ..captures.texels import texels_of
 from ..captures.texture import texel_colors
 from ..wholefile import write_whole
 from .cnn import CnnAvatar
-from .deck import Deck, spaced
+from .deck import Deck, frontal, spaced
 from .drawing import Stage
 from .focus import focus_map, regions_of
 from .objective import TERMS, Objective
@@ -271,7 +271,7 @@ class Trainer:
     def _show(self) -> None:
         """Previews, the curve, and the numbers behind it."""
         capture = self.stage.capture
-        shots = [*spaced(capture.val, 2), *spaced(capture.test, 2)] or spaced(capture.train, 2)
+        shots = [*spaced(capture.val, 2), *spaced(frontal(capture.test), 2)] or spaced(capture.train, 2)
         picture = comparison([self.stage.seen(shot, self._bare) for shot in shots])
         write_png(self.folder / PREVIEWS / f"{self.step:06d}.png", picture)
         rows = np.array(self._rows)

@@ -17,7 +17,7 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 import toycapture  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
-from gemheads.models.train.deck import Deck, spaced  # noqa: E402
+from gemheads.models.train.deck import Deck, frontal, spaced  # noqa: E402
 from gemheads.models.train.deform import Moment  # noqa: E402
 from gemheads.models.train.drawing import Stage  # noqa: E402
 from gemheads.models.train.moments import Moments  # noqa: E402
@@ -204,7 +204,8 @@ def test_every_moment_is_dealt_once_before_one_comes_again(capture: Capture) -> 
     assert [shot.picture for shot in again.dealt(13)] == [shot.picture for shot in deck.dealt(13)]
     assert len({shot.camera_index for shot in deck.dealt(4)}) == 2
     assert len(Deck(capture.train, hand=9, seed=0).dealt(0)) == 4
-    assert [shot.timestep for shot in spaced(capture.val, 3)] == [0, 2, 5]
+    assert [shot.timestep for shot in spaced(capture.val, 3)] == [1, 3, 5]
+    assert {shot.camera_index for shot in frontal(capture.test)} == {1}
 
 
 def test_presets_can_be_built_and_changed() -> None:
