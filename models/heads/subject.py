@@ -13,6 +13,7 @@ from ..captures.uvraster import cover
 from ..wholefile import write_whole
 from .bake import PIVOT, neck_weights, viewing_of
 from .creases import creases
+from .haircap import capped
 from .head import HAIR, LASHES, SKIN, Head, build_head
 from .ingredients import Ingredients
 from .maps import encoded, linear, load_map
@@ -32,8 +33,6 @@ VERTEX_M = 1e-6
 SHEEN_RANGE = 2.0
 """What 255 means in the map of sheen."""
 JPEG_QUALITY = 90
-NAPE = -0.028
-"""Metres: hair that hangs lower stands off the neck."""
 PART_NAMES = ("skin", "eyes", "teeth", "tongue")
 
 
@@ -56,6 +55,7 @@ def save_subject(person: Person, ingredients: Ingredients, path: Path) -> None:
     """Build a person and write the file that ``models.studio.subject`` reads. Raises OSError."""
     head = build_head(person, ingredients)
     shader = make_shader(person, head, ingredients)
+    head = capped(head)
     pieces = _pieces(head)
     arrays = _mesh(head, pieces) | _maps(shader, pieces.unwrapped) | _cards(person, ingredients)
     viewing = viewing_of(head)
@@ -72,9 +72,7 @@ def _pieces(head: Head) -> _Pieces:
     unwrapped = unwrap(head)
     on_canvas = head.canvas[head.triangles].mean(1)
     upper = (head.parts == LASHES) & (on_canvas[:, 1] > 0) & (np.abs(on_canvas[:, 0]) < LASH_END)
-    middle = head.vertices[head.triangles].mean(1)
-    hair = (head.parts == HAIR) & (middle[:, 1] > NAPE)
-    loose = np.flatnonzero(upper | hair)
+    loose = np.flatnonzero(upper | (head.parts == HAIR))
     tracked = np.unique(head.triangles[unwrapped.faces])
     rest = np.setdiff1d(head.triangles[loose], tracked)
     vertices = np.concatenate([tracked, rest])
