@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from ..models.captures.baremesh import bare_moments
 from ..models.captures.layout import CaptureError
 from ..models.captures.reader import Capture
 from ..models.gem import Gem
@@ -12,14 +11,14 @@ from ..models.gemfile import GemFormatError, save_gem
 from ..models.wholefile import file_sha256
 from .casting import Avatar, open_avatar
 from .errors import ExitCode, InputError, OutputError, UsageError
-from .moments import load_moments, save_moments
-from .opencapture import chosen, opened
+from .moments import save_moments
+from .opencapture import opened
 from .performance import Pose
 from .pictures import write_png
 from .progress import ProgressBar
+from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
-    from ..models.train.fit import Start
     from ..models.train.perceptual import Perceptual
     from ..models.train.refine import Refinement
 
@@ -65,7 +64,7 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
     network = _perceptual() if wish.perceptual else None
     try:
         with ProgressBar() as bar:
-            begin = _begin(cast, footage, wish, bar)
+            begin = training_moments(cast, footage, wish.start, bar)
             answer = refine(cast.gem, footage, begin, effort, network, bar.reach, default_device())
     except (CaptureError, FloatingPointError) as error:
         raise InputError(str(error)) from error
@@ -81,31 +80,6 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
         write_png(refine_sheet(footage, (cast.gem, begin), (answer.gem, answer.moments)), wish.sheet)
     print(_told(answer, cast, out, bool(footage.val)))
     return ExitCode.INTERRUPTED if answer.stopped else ExitCode.OK
-
-
-def _begin(cast: Avatar, footage: Capture, wish: RefineWish, bar: ProgressBar) -> "dict[int, Start]":
-    """Expression and pose with which each training moment begins."""
-    from ..models.train.fit import HeadPose, Start
-    from ..models.train.fitcapture import fit_moments
-
-    if wish.start is not None:
-        known = load_moments(wish.start, cast)
-        return {time: Start(pose.coefficients, HeadPose(pose.turn, pose.translation)) for time, pose in known.items()}
-    bare = bare_moments(footage, cast.gem)
-    if bare is not None:
-        bar.say(f"{cast.path}: is the bare mesh of {footage.folder}: it begins at what was tracked")
-        found = {}
-        for time, coefficients in bare.items():
-            tracked = footage.tracked(time)
-            found[time] = Start(coefficients, HeadPose(tracked.rotation, tracked.translation))
-        return found
-    total = len(footage.timesteps("train"))
-    bar.say(f"{cast.path}: its {total} moments are fitted first; `distill --moments` and --start spare that")
-    found = {}
-    for moment in fit_moments(cast.gem, footage, chosen(footage, "train", None)):
-        found[moment.timestep] = Start(moment.fit.coefficients, moment.fit.pose)
-        bar.reach("fit", len(found), total)
-    return found
 
 
 def _perceptual() -> "Perceptual":
@@ -134,7 +108,7 @@ def _save(answer: "Refinement", cast: Avatar, footage: Capture, out: Path) -> No
 def _signed(answer: "Refinement", footage: Capture) -> Gem:
     """The avatar, saying how it came to be."""
     before = answer.gem.about.get("source", "")
-    source = f"{before}{'; ' if before else ''}refined on {footage.folder.name}, {answer.iterations} steps"
+    source = f"refined on {footage.folder.name}, {answer.iterations} steps{'; ' if before else ''}{before}"
     return replace(answer.gem, about={**answer.gem.about, "source": source})
 
 

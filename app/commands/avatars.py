@@ -163,29 +163,49 @@ def fit(
 def train_regressor(
     avatar: str,
     /,
-    *videos: Path,
+    *sources: Path,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
     pictures: int = 6000,
     steps: int = 8000,
     seed: int = 0,
+    labels: Path | None = None,
+    report: Path | None = None,
+    strip: Path | None = None,
 ) -> int:
     """Learn how an avatar answers a face (needs the extra: pip install 'gemheads[train]').
 
     Args:
         avatar: Name of an avatar or a .gem file.
-        videos: Face videos whose motion the training also learns from; no labels needed.
+        sources: The capture of the avatar's person, if there is one, whose frames are then learned from; and face
+            videos whose motion the training also learns from, without labels.
         out: Where the avatar with its regressor goes. Default: the same file.
         companions: Other avatars, which play strangers. Default: the other shipped ones.
-        pictures: How many pictures of the avatar are drawn and read.
+        pictures: How many pictures of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps.
-        seed: The same seed, avatar and videos give the same regressor.
+        seed: The same seed, avatar and sources give the same regressor.
+        labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the
+            avatar does at its moments. Default: they are fitted.
+        report: With a capture: where figures on its held-out pictures go, as JSON.
+        strip: With a capture: a PNG of held-out moments: the person, at rest, driven, fitted, and where it differs.
     """
+    from ..errors import UsageError
     from ..library import avatars, find_avatar
+    from ..opencapture import is_capture
+    from ..owntraining import OwnWish, run_own_training
     from ..training import run_training
 
     path = find_avatar(avatar)
     others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
     if companions is not None:
         others = [find_avatar(name) for name in companions]
-    return run_training(path, out, list(videos), others, pictures, steps, seed)
+    captures = [source for source in sources if is_capture(source)]
+    videos = [source for source in sources if source not in captures]
+    if not captures:
+        if labels or report or strip:
+            raise UsageError("--labels, --report and --strip need a capture; give its folder, too")
+        return run_training(path, out, videos, others, pictures, steps, seed)
+    if len(captures) > 1:
+        raise UsageError(f"{captures[1]}: is a second capture; an avatar is of one person, give one")
+    wish = OwnWish(tuple(videos), tuple(others), pictures, steps, seed, labels, report, strip)
+    return run_own_training(path, captures[0], out or path, wish)

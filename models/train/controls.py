@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..arkit import NAMES
 from ..driver.baseline import GAIN
 from ..driver.features import SCORE_NAMES
-from ..gem import Gem
+from ..gem import CLAMP_SIGMAS, Gem
 
 ARKIT_REACH = 0.7
 """How far training may move an ARKit weight from the tracker's own reading of it."""
@@ -18,7 +18,7 @@ GAZE_REACH = 0.0
 
 @dataclass(frozen=True)
 class Controls:
-    """E weights: the 52 ARKit weights for an avatar with an ARKit map, otherwise its coefficients themselves."""
+    """E weights: the 52 ARKit weights for an avatar with an ARKit map, else coefficients in sigmas from rest."""
 
     lower: NDArray[np.float32]
     """[E] least weight."""
@@ -42,12 +42,8 @@ class Controls:
 
 def controls_of(gem: Gem) -> Controls:
     """The controls of an avatar."""
-    limit = 3 * gem.sigma
     if gem.arkit_weights is None:
-        count = gem.coefficient_count
-        start = np.zeros((len(SCORE_NAMES), count), np.float32)
-        identity = np.eye(count, dtype=np.float32)
-        return Controls(-limit, limit, limit, start, identity, gem.rest_coefficients, limit)
+        return free_controls(gem)
     start = np.zeros((len(SCORE_NAMES), len(NAMES)), np.float32)
     for column, name in enumerate(NAMES):
         if name in SCORE_NAMES:
@@ -61,5 +57,22 @@ def controls_of(gem: Gem) -> Controls:
         start,
         np.asarray(gem.arkit_weights, np.float32),
         gem.rest_coefficients,
-        limit,
+        CLAMP_SIGMAS * gem.sigma,
+    )
+
+
+def free_controls(gem: Gem) -> Controls:
+    """The coefficients themselves, each for itself: more than ARKit weights can say, and equation 4 to the letter.
+
+    Where the avatar has an ARKit map, the unlearned start is still its reading of the scores.
+    """
+    count, sigma = gem.coefficient_count, np.maximum(gem.sigma, 1e-12)
+    bound = np.full(count, CLAMP_SIGMAS, np.float32)
+    start = np.zeros((len(SCORE_NAMES), count), np.float32)
+    if gem.arkit_weights is not None:
+        for row, name in enumerate(SCORE_NAMES):
+            if name in NAMES:
+                start[row] = GAIN * gem.arkit_weights[NAMES.index(name)] / sigma
+    return Controls(
+        -bound, bound, bound, start, np.diag(sigma).astype(np.float32), gem.rest_coefficients, CLAMP_SIGMAS * gem.sigma
     )

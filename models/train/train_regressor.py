@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from ..driver.features import BLOCKS
 from ..gem import Gem
 from ..gemfile import load_gem, read_info, save_gem
 from .channels import channel_indices, channel_tolerances
+from .closing import ClosedLoop, descend
 from .controls import Controls, controls_of
 from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
@@ -29,16 +29,6 @@ COMPONENTS = 50
 """Equation 3: the features are reduced to so many numbers."""
 SIGMA_FLOOR = 1e-3
 """Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
-BATCH = 256
-PRIOR = 0.3
-"""Price of one unit of weight away from the unlearned start, in squared tolerances."""
-EXCESS = 20.0
-"""Price of a weight beyond its bounds."""
-LABELS = 2.0
-"""Price of missing the known weights on the avatar's own pictures."""
-HUBER = 3.0
-"""Beyond so many tolerances a mismatch grows linearly only: the avatar may be unable to do what the person does."""
-
 Progress = Callable[[str, int, int], None]
 
 
@@ -121,19 +111,16 @@ def regressor_for(
         )
         for other in companions
     ]
-    response, r2 = _fit(own, steps, seed)
+    response, r2 = response_of(own, steps, seed)
     people = crowd([own, *others], footage, 40_000, rng)
     judges = crowd([own, *others], footage, 2_000, rng)
     pca = feature_pca(np.concatenate([own.features, people.features[:8000]]))
     torch.manual_seed(seed)
     network = RegressorNetwork(pca, controls)
-    judged = (torch.from_numpy(judges.features), torch.from_numpy(judges.rotations))
-    with torch.no_grad():
-        before = float(_mismatch(network, response, *judged).mean())
-    _close_loop(network, response, own, people.features, people.rotations, steps, progress)
-    with torch.no_grad():
-        after = float(_mismatch(network, response, *judged).mean())
-    return export_onnx(network), TrainingReport(len(own), r2, before, after)
+    loop = ClosedLoop(network, response, own, people)
+    before = loop.mismatch(judges)
+    descend(network, lambda _: loop.loss(), steps, progress)
+    return export_onnx(network), TrainingReport(len(own), r2, before, loop.mismatch(judges))
 
 
 def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
@@ -155,48 +142,14 @@ def _pictured(
     return measure_responses(gem, controls, weights, rng, progress)
 
 
-def _fit(own: Responses, steps: int, seed: int) -> tuple[ResponseModel, float]:
+def pictures_of(gem: Gem, count: int, seed: int, progress: Progress = lambda stage, done, total: None) -> Responses:
+    """So many pictures of an avatar that plays a stranger, as the tracker reads them. Raises AvatarNotSeen."""
+    rng = np.random.default_rng(seed)
+    return _pictured(gem, controls_of(gem), count, rng, lambda done, total: progress("strangers", done, total))
+
+
+def response_of(own: Responses, steps: int, seed: int) -> tuple[ResponseModel, float]:
+    """F of an avatar from its pictures, and the share of variance that it explains."""
     channels = own.features[:, channel_indices()] / channel_tolerances()
     inputs = (torch.from_numpy(own.weights), torch.from_numpy(own.rotations))
     return fit_response(inputs, torch.from_numpy(channels), steps, seed)
-
-
-def _mismatch(network: RegressorNetwork, response: ResponseModel, features: Tensor, rotations: Tensor) -> Tensor:
-    """[B, T] Huber distance of the avatar's channels from the person's, in tolerances."""
-    wanted = features[:, torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
-    got = response(network.weights(features, rotations), rotations)
-    return torch.nn.functional.huber_loss(got, wanted, reduction="none", delta=HUBER)
-
-
-def _close_loop(
-    network: RegressorNetwork,
-    response: ResponseModel,
-    own: Responses,
-    features: NDArray[np.float32],
-    rotations: NDArray[np.float32],
-    steps: int,
-    progress: Progress,
-) -> None:
-    people = (torch.from_numpy(features), torch.from_numpy(rotations))
-    known = tuple(torch.from_numpy(array) for array in (own.features, own.rotations, own.weights))
-    optimizer = torch.optim.AdamW(network.parameters(), 1e-3, weight_decay=1e-3)
-    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
-    for step in range(steps):
-        batch = torch.randint(len(people[0]), (BATCH,))
-        r, turn = people[0][batch], people[1][batch]
-        free = network.free_weights(r, turn)
-        bounded = network.bounded(free)
-        # a weight outside its bounds keeps a little gradient, or it would never come back
-        wanted = r[:, torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
-        got = response(bounded + 0.05 * (free - bounded), turn)
-        loss = torch.nn.functional.huber_loss(got, wanted, delta=HUBER)
-        start = network.started(r)
-        loss = loss + PRIOR * ((bounded - start) ** 2).mean() + EXCESS * ((free - bounded) ** 2).mean()
-        own_batch = torch.randint(len(known[0]), (BATCH // 2,))
-        labelled = network.free_weights(known[0][own_batch], known[1][own_batch])
-        loss = loss + LABELS * ((labelled - known[2][own_batch]) ** 2).mean()
-        optimizer.zero_grad()
-        loss.backward()
-        optimizer.step()
-        schedule.step()
-        progress("regressor", step + 1, steps)
