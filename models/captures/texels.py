@@ -91,7 +91,7 @@ class Texels:
 
     def carry(self, vertices: Floats) -> Carried:
         """The texels on moved vertices [V, 3] of the template."""
-        gradients, turns = self._moved(vertices)
+        gradients, turns = self.moved(vertices)
         normals = (turns @ self.frames)[..., 2]
         return Carried(
             self.spread(vertices).astype(np.float32), gradients.astype(np.float32), normals.astype(np.float32)
@@ -116,7 +116,7 @@ class Texels:
         Means and covariances go through the deformation gradient; a covariance keeps its axes, turned, and their new
         lengths. Quaternions keep the sign of the canonical ones, so that a PCA sees no jumps.
         """
-        gradients, turns = self._moved(vertices)
+        gradients, turns = self.moved(vertices)
         offsets = raw.positions - self.spread(self.template.vertices)
         axes = matrix_from_wxyz(raw.wxyz.astype(np.float64))
         lengths = np.linalg.norm(gradients @ axes, axis=1)
@@ -128,9 +128,9 @@ class Texels:
             raw.colors,
         )
 
-    def turns(self, vertices: Floats) -> NDArray[np.float64]:
-        """[N, 3, 3] the rotations in the deformation gradients of moved vertices [V, 3]."""
-        return self._moved(vertices)[1]
+    def moved(self, vertices: Floats) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """[N, 3, 3] deformation gradients for moved vertices [V, 3], and the rotations [N, 3, 3] in them."""
+        return guarded(self.spread(self._rest.gradients(vertices)), self.frames)
 
     @cached_property
     def frames(self) -> NDArray[np.float64]:
@@ -140,9 +140,6 @@ class Texels:
         fallback = _across(normals)
         along = self._steps[0] - (self._steps[0] * normals).sum(1, keepdims=True) * normals
         return orthonormal(along, np.cross(normals, along), fallback)
-
-    def _moved(self, vertices: Floats) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        return guarded(self.spread(self._rest.gradients(vertices)), self.frames)
 
     @cached_property
     def _rest(self) -> RestMesh:

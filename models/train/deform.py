@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -38,17 +39,15 @@ class Moment:
 
 def moment_of(texels: Texels, tracked: Tracked, device: torch.device | str = "cpu") -> Moment:
     """A tracked mesh at the texels."""
-    carried = texels.carry(tracked.vertices)
-    rest = texels.spread(texels.template.vertices)
+    positions = texels.spread(tracked.vertices)
+    gradients, turns = texels.moved(tracked.vertices)
+    displacements = (positions - texels.spread(texels.template.vertices)).T / DISPLACEMENT_M
     maps = torch.zeros(3, texels.size**2)
-    maps[:, torch.from_numpy(texels.uv_index)] = torch.from_numpy((carried.positions - rest).T / DISPLACEMENT_M).float()
+    maps[:, torch.from_numpy(texels.uv_index)] = torch.from_numpy(displacements).float()
+    arrays = (positions, gradients, wxyz_from_matrix(turns), tracked.rotation, tracked.translation)
     return Moment(
         maps.view(1, 3, texels.size, texels.size).to(device),
-        torch.from_numpy(carried.positions).to(device),
-        torch.from_numpy(carried.gradients).to(device),
-        torch.from_numpy(wxyz_from_matrix(texels.turns(tracked.vertices))).float().to(device),
-        torch.from_numpy(tracked.rotation).float().to(device),
-        torch.from_numpy(tracked.translation).float().to(device),
+        *(torch.from_numpy(np.asarray(array, np.float32)).to(device) for array in arrays),
     )
 
 

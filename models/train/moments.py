@@ -8,8 +8,8 @@ from ..captures.reader import Capture
 from ..captures.texels import Texels
 from .deform import Moment, moment_of
 
-KEPT_BYTES = 512 << 20
-"""Of memory, on the device: at 64 x 64 texels a thousand moments, at 256 x 256 some sixty."""
+KEPT_BYTES = 2 << 30
+"""Of memory, on the device: at 128 x 128 texels 2,000 moments, at 256 x 256 some 500."""
 
 
 class Moments:
