@@ -70,6 +70,7 @@ class Painter:
             moment.folds,
             moment.eyes,
             stage.lighting.lobes,
+            stage.lighting.bulbs,
             np.array(ROOM, np.float32),
             albedo,
             detail,

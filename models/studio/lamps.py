@@ -21,8 +21,8 @@ ROOM = (0.29, 0.30, 0.32)
 ROOM_SAMPLES = 28
 BOUNCE = (0.24, 0.15, 0.12)
 """What a blocked direction still sends: light from other skin."""
-GLINTS = 0, 1
-"""The lamps that have a bright middle, which a wet eye mirrors."""
+BULBS = (((-0.40, 0.34, 0.85), 1.0), ((0.45, -0.06, 0.89), 0.4))
+"""The bright middles of key and fill, which a wet eye mirrors: directions and strengths."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,8 @@ class Lighting:
     """[D] which lamp a sample is of; the number of lamps for the room."""
     lobes: NDArray[np.float32]
     """[lamps, 7] unit direction, radiance, concentration: what shiny surfaces mirror."""
+    bulbs: NDArray[np.float32]
+    """[2, 4] unit direction, strength: what eyes mirror sharply."""
 
 
 def studio_light(seed: int = 3) -> Lighting:
@@ -65,6 +67,7 @@ def studio_light(seed: int = 3) -> Lighting:
         np.concatenate(bounced).astype(np.float32),
         np.concatenate(lamp).astype(np.int32),
         np.array(lobes, np.float32),
+        np.array([[*(np.array(d) / np.linalg.norm(d)), strength] for d, strength in BULBS], np.float32),
     )
 
 

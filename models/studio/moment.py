@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arkit import NAMES
 from ..captures.headmotion import posed
 from ..heads.maps import sample_map, strokes
 from ..heads.puppet import gaze_turn
@@ -75,6 +76,11 @@ class Stage:
         self.hair_color = linear(subject.hair_color)
 
     @cached_property
+    def _rest(self) -> NDArray[np.float32]:
+        """[V, 3] the face without expression: what folds are measured from."""
+        return self.subject.puppet.pose(np.zeros(len(NAMES), np.float32))
+
+    @cached_property
     def _neighbours(self) -> Neighbours:
         return neighbours_of(self.subject.puppet.vertices, self.subject.triangles)
 
@@ -116,7 +122,7 @@ class Stage:
             light=light,
             mean=mean,
             shares=shares,
-            folds=folded(subject.puppet.vertices, vertices, subject.template.triangles, self._neighbours),
+            folds=folded(self._rest, vertices, subject.template.triangles, self._neighbours),
             slopes=slopes,
             strands=self._strands(slopes),
             eyes=self._eyes(act, vertices),

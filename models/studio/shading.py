@@ -17,9 +17,9 @@ ROUGH = (0.30, 0.16)
 OILY = 3.0
 HAIR_SHINE = 0.12
 EYE_ROUGH, TOOTH_ROUGH = 0.03, 0.12
-GLINT_COS = (0.9805, 0.9865)
-"""Edge of a lamp's bright middle as a wet eye mirrors it."""
-GLINT = 5.0
+BULB_COS = (0.975, 0.987)
+"""Edge of a bulb as a wet eye mirrors it."""
+GLINT = 1.1
 CORNEA_BULGE = 0.42
 """How far in front of the eyeball's centre the cornea's is, in eyeball radii."""
 CORNEA_COS = 0.86
@@ -44,6 +44,7 @@ def shade(
     folds,
     eyes,
     lobes,
+    bulbs,
     room,
     albedo,
     detail,
@@ -62,8 +63,8 @@ def shade(
         vertices, normals: [V, 3] posed.
         light, mean, shares: as ``shadows.arriving`` gives them, spread under the skin.
         folds: [V] compression.
-        eyes: [2, 4] middles of the eyeballs and their radius; [2, 3] where they look follow in ``eye`` below.
-        lobes, room: the lamps [n, 7] and the even radiance [3].
+        eyes: [2, 7] middle of each eyeball, where it looks, its radius.
+        lobes, bulbs, room: the lamps [n, 7], their bright middles [2, 4], the even radiance [3].
         albedo, detail, hair: maps, as ``Subject`` has them; ``hair_color`` [2, 3] linear; ``hair_along`` [L, 3, 3] the
             direction of strands at the corners of the cards.
         eye: [3] position of the camera.
@@ -183,13 +184,17 @@ def shade(
                         cos = rx * lobes[lamp, 0] + ry * lobes[lamp, 1] + rz * lobes[lamp, 2]
                         wide = lobes[lamp, 6]
                         value = sharp / (sharp + wide) * np.exp(sharp * wide / (sharp + wide) * (cos - 1))
-                        if part == EYES and lamp < 2:
-                            edge = min(max((cos - GLINT_COS[0]) / (GLINT_COS[1] - GLINT_COS[0]), 0.0), 1.0)
-                            value += GLINT * edge * (1.0 if lamp == 0 else 0.45) * (1.0 + 2.5 * lamp)
                         for k in range(3):
                             shine[k] += part_of * value * share * lobes[lamp, 3 + k]
                     for k in range(3):
                         shine[k] += part_of * room[k] * open_room * open_room
+                if part == EYES:
+                    share = shares[a, 0] * wa + shares[b, 0] * wb + shares[c, 0] * wc
+                    for bulb in range(len(bulbs)):
+                        cos = rx * bulbs[bulb, 0] + ry * bulbs[bulb, 1] + rz * bulbs[bulb, 2]
+                        edge = min(max((cos - BULB_COS[0]) / (BULB_COS[1] - BULB_COS[0]), 0.0), 1.0)
+                        for k in range(3):
+                            shine[k] += GLINT * edge * bulbs[bulb, 3] * share
                 for k in range(3):
                     image[row, column, k] = (base[k] * lit[k] + shine[k]) * EXPOSURE
             through = clear[row, column]
