@@ -54,6 +54,7 @@ def examine() -> Iterator[Finding]:
     yield _tried("onnxruntime", _providers, "pip install onnxruntime")
     yield _tried("face networks", _networks, "restore assets/networks: git checkout assets/networks")
     yield from _codecs()
+    yield _tried("content credentials", _credentials, "pip install 'gemheads[credentials]'", needed=False)
     yield from _avatars()
     found = DEMO_CLIP.is_file()
     yield Finding("demo clip", found, str(DEMO_CLIP), "git checkout assets/demo", needed=False)
@@ -131,6 +132,14 @@ def _codecs() -> Iterator[Finding]:
     for suffix, codec in ((".webm", "libvpx-vp9"), ("transparent .mov", "prores_ks")):
         works = has_encoder(codec)
         yield Finding(f"video to {suffix}", works, codec if works else "no encoder", cure, needed=False)
+
+
+def _credentials() -> str:
+    from .credentials.localkey import existing_key, key_file
+    from .credentials.signing import c2pa_module
+
+    library = f"c2pa {c2pa_module().sdk_version()}"
+    return f"{library}, key in {key_file()}" if existing_key(key_file()) else f"{library}, a key is made at first use"
 
 
 def _avatars() -> Iterator[Finding]:
