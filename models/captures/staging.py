@@ -18,18 +18,25 @@ class Stage:
         self._engine = SoftwareEngine()
 
     def draw(
-        self, raw: RawGaussians, neck_weights: NDArray[np.float32], pivot: NDArray[np.float32], shot: Shot
+        self,
+        raw: RawGaussians,
+        neck_weights: NDArray[np.float32],
+        pivot: NDArray[np.float32],
+        shot: Shot,
+        pose: tuple[NDArray[np.float32], NDArray[np.float32]] | None = None,
     ) -> NDArray[np.float32]:
-        """[H, W, 3] sRGB in [0, 1] of an expression, the head posed as it was tracked at the shot's moment.
+        """[H, W, 3] sRGB in [0, 1] of an expression.
 
         Args:
             raw: canonical splats.
             neck_weights: [N] share of the head's pose.
             pivot: [3] the point the head turns about, metres.
             shot: where from, and when.
+            pose: turn [3] (axis times angle, radians) and move [3] (metres) of the head; None: as it was tracked then.
         """
         tracked = self._capture.tracked(shot.timestep)
-        posed = pose_head(raw, neck_weights, pivot, tracked.rotation, tracked.translation)
+        turn, move = (tracked.rotation, tracked.translation) if pose is None else pose
+        posed = pose_head(raw, neck_weights, pivot, turn, move)
         image = self._engine.draw(posed, shot.camera)
         ground = np.array(self._capture.background, np.float32)
         return np.clip(image[..., :3] + (1 - image[..., 3:]) * ground, 0, 1).astype(np.float32)

@@ -50,11 +50,15 @@ def main() -> int:
     paths = options.clips or sorted(DRIVERS.glob("*.mp4"))
     clips = [load_clip(path, options.every, options.seconds, options.cache) for path in paths]
     mirror = Mirror(gem, options.size)
-    runs: dict[str, tuple[Driving, int | None]] = {"baseline": (_baseline(gem), None)}
+    runs: dict[str, tuple[Driving, int | None]] = {}
+    if gem.arkit_weights is not None:
+        runs["baseline"] = (_baseline(gem), None)
     graph = options.regressor.read_bytes() if options.regressor else gem.regressor
     if graph is not None:
         regressor = Regressor(graph, gem.coefficient_count)
         runs |= {f"regressor, {m} components": (regressor, m) for m in options.components}
+    if not runs:
+        parser.error(f"{options.avatar} has neither ARKit weights nor a regressor: nothing drives it")
     figures: dict[str, dict[str, dict[str, list[float]]]] = {}
     strips: list[NDArray[np.uint8]] = []
     for name, (driving, components) in runs.items():
@@ -64,7 +68,7 @@ def main() -> int:
             shown, pictures = _driven(clip, driving, mirror, components)
             print(f"{clip.name}, {name}: {time.perf_counter() - began:.0f} s", file=sys.stderr)
             figures.setdefault(clip.name, {})[name] = _compared(clip, shown, neutral)
-            if name == list(runs)[-1 if len(runs) < 3 else 1]:
+            if name == next((n for n in runs if n != "baseline"), "baseline"):
                 strips += [np.concatenate(list(clip.shots), 1), np.concatenate(pictures, 1)]
     print(report(gem.name, clips, figures, list(runs)))
     if options.json:

@@ -1,0 +1,227 @@
+"""How good each way to an avatar is where nothing was learned from: a camera held out, and expressions held out.
+
+    python tests/bench/learning_table.py CAPTURE --mesh mesh.gem --run RUN --distilled D.gem --refined R.gem
+        [--moments R.track] [--shots 24] [--json F] [--picture F.png] [--docs docs/learning.md]
+
+The mesh's avatar, the CNN and the distilled avatar are driven by the tracked mesh; so is the refined one on expressions
+held out, by way of the CNN, while on moments it was refined on it knows its coefficients. "fitted" is the refined
+avatar with expression and head pose found by analysis by synthesis: in the pictures of the same moment from other
+cameras, never in the one that is judged.
+"""
+
+import argparse
+import json
+import platform
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from gemheads.app.tracks import load_track
+from gemheads.models.captures.layout import Shot
+from gemheads.models.captures.reader import Capture, open_capture
+from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.texels import texels_of
+from gemheads.models.gem import Gem
+from gemheads.models.gemfile import load_gem
+from gemheads.models.metrics.flip import flip_map
+from gemheads.models.metrics.pixels import l1, psnr
+from gemheads.models.metrics.structure import ssim
+from gemheads.models.train.deck import spaced
+from gemheads.models.train.fit import error_map
+from gemheads.models.train.fitcapture import fit_moments
+from gemheads.models.train.perceptual import Perceptual, WeightsMissing
+from gemheads.models.train.runs import Run, open_run
+from gemheads.render.gaussians import RawGaussians
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float32]
+Pose = tuple[Floats, Floats]
+VIEWS = 4
+"""Cameras a fit looks through."""
+SPLITS = {"val": "held-out view", "test": "held-out expression"}
+METRICS = ("PSNR", "SSIM", "LPIPS", "L1", "FLIP")
+MARKS = "<!-- table -->", "<!-- end of table -->"
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to an avatar."""
+
+    name: str
+    answer: Callable[[Shot, str], tuple[RawGaussians, Pose | None]]
+    """Shot and split to canonical splats and the head's pose; None: as tracked."""
+    neck_weights: Floats
+    neck_pivot: Floats
+
+
+def main() -> int:
+    """The command; see ``--help``."""
+    parser = argparse.ArgumentParser(description="Compare ways to an avatar on pictures held out.")
+    parser.add_argument("capture", type=Path)
+    parser.add_argument("--mesh", type=Path, required=True, help="the .gem of the bare mesh")
+    parser.add_argument("--run", type=Path, required=True, help="the CNN's run")
+    parser.add_argument("--distilled", type=Path, required=True)
+    parser.add_argument("--refined", type=Path, required=True)
+    parser.add_argument("--moments", type=Path, help="the track of refine --moments")
+    parser.add_argument("--shots", type=int, default=24, help="pictures that are judged, half of them of each split")
+    parser.add_argument("--json", type=Path)
+    parser.add_argument("--picture", type=Path)
+    parser.add_argument("--docs", type=Path, help=f"a page in which what is between {' and '.join(MARKS)} is replaced")
+    options = parser.parse_args()
+    capture = open_capture(options.capture)
+    shots = judged_shots(capture, options.shots)
+    methods = _methods(capture, shots, options)
+    figures, rows = judge(capture, shots, methods)
+    text = table(figures, capture, shots)
+    print(text)
+    if options.json:
+        options.json.write_text(json.dumps(figures, indent=1) + "\n")
+    if options.picture:
+        cv2.imwrite(str(options.picture), np.concatenate([_titles(methods, rows[0]), *rows])[..., ::-1])
+    if options.docs:
+        page = options.docs.read_text()
+        before, after = page.split(MARKS[0])[0], page.split(MARKS[1])[1]
+        options.docs.write_text(f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}")
+    return 0
+
+
+def judged_shots(capture: Capture, count: int) -> dict[str, list[Shot]]:
+    """Split -> pictures: the held-out camera, in both."""
+    cameras = {shot.camera_index for shot in capture.val}
+    test = [shot for shot in capture.test if shot.camera_index in cameras] or list(capture.test)
+    return {"val": spaced(capture.val, count // 2), "test": spaced(test, count - count // 2)}
+
+
+def judge(
+    capture: Capture, shots: Mapping[str, list[Shot]], methods: list[Method]
+) -> tuple[dict[str, dict[str, dict[str, float]]], list[NDArray[np.uint8]]]:
+    """Split -> method -> metric -> mean; and for the middle picture of each split, and the last, a row of pictures."""
+    network, stage, rows = _network(), Stage(capture), []
+    figures: dict[str, dict[str, dict[str, float]]] = {}
+    for split, taken in shots.items():
+        values: dict[str, list[list[float]]] = {method.name: [] for method in methods}
+        shown = {taken[len(taken) // 2].picture, taken[-1].picture} if taken else set()
+        for shot in taken:
+            truth = stage.truth(shot)
+            cells = [np.concatenate([_bytes(truth), np.full(truth.shape, 255, np.uint8)])]
+            for method in methods:
+                raw, pose = method.answer(shot, split)
+                image = stage.draw(raw, method.neck_weights, method.neck_pivot, shot, pose)
+                values[method.name].append(_measured(image, truth, network))
+                cells.append(np.concatenate([_bytes(image), error_map(image, truth)]))
+            if shot.picture in shown:
+                rows.append(np.concatenate(cells, 1))
+        figures[split] = {
+            name: dict(zip(METRICS, np.mean(measured, 0).tolist(), strict=True)) for name, measured in values.items()
+        }
+    return figures, rows
+
+
+def table(figures: Mapping[str, Mapping[str, Mapping[str, float]]], capture: Capture, shots: Mapping[str, list]) -> str:
+    """Markdown: one row a method, its metrics on each split."""
+    digits = {"PSNR": 2, "SSIM": 4, "LPIPS": 4, "L1": 4, "FLIP": 4}
+    heads = [f"{metric}, {SPLITS[split]}" for split in figures for metric in METRICS]
+    lines = ["| | " + " | ".join(heads) + " |", "|---|" + "---|" * len(heads)]
+    for name in next(iter(figures.values())):
+        cells = [f"{figures[split][name][m]:.{digits[m]}f}".replace("nan", "-") for split in figures for m in METRICS]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    size = f"{capture.train[0].camera.width}x{capture.train[0].camera.height}"
+    counted = ", ".join(f"{len(taken)} pictures of a {SPLITS[split]}" for split, taken in shots.items())
+    machine = f"{platform.machine()}, {torch.get_num_threads()} threads, torch {torch.__version__}"
+    return "\n".join([*lines, "", f"{capture.subject}, {size}: {counted}. {machine}, {date.today()}."])
+
+
+def _methods(capture: Capture, shots: Mapping[str, list[Shot]], options: argparse.Namespace) -> list[Method]:
+    run = open_run(options.run, options.capture)
+    mesh, distilled, refined = (load_gem(path) for path in (options.mesh, options.distilled, options.refined))
+    texels = texels_of(capture.template, mesh.uv_size)
+    rest = texels.splats(mesh.colors)
+    known = {}
+    if options.moments:
+        track = load_track(options.moments)
+        known = dict(zip(track.pts.tolist(), track.poses, strict=True))
+
+    def by_mesh(shot: Shot, _: str) -> tuple[RawGaussians, None]:
+        carried = texels.carried(rest, capture.tracked(shot.timestep).vertices)
+        return mesh.compose(mesh.project(carried)), None
+
+    def by_cnn(shot: Shot, _: str) -> tuple[RawGaussians, None]:
+        return run.splats(capture.tracked(shot.timestep)), None
+
+    def by_distilled(shot: Shot, split: str) -> tuple[RawGaussians, None]:
+        return distilled.compose(distilled.project(by_cnn(shot, split)[0])), None
+
+    def by_refined(shot: Shot, split: str) -> tuple[RawGaussians, Pose | None]:
+        if split == "val" and shot.timestep in known:
+            pose = known[shot.timestep]
+            return refined.compose(pose.coefficients), (pose.turn, pose.translation)
+        return refined.compose(refined.project(by_cnn(shot, split)[0])), None
+
+    fitted = {split: _fitted(refined, capture, taken, split) for split, taken in shots.items()}
+
+    def by_fit(shot: Shot, split: str) -> tuple[RawGaussians, Pose]:
+        coefficients, pose = fitted[split][shot.timestep]
+        return refined.compose(coefficients), pose
+
+    return [
+        Method("bare mesh GEM", by_mesh, mesh.neck_weights, mesh.neck_pivot),
+        Method("CNN", by_cnn, *_neck(run)),
+        Method("GEM distilled", by_distilled, distilled.neck_weights, distilled.neck_pivot),
+        Method("GEM refined", by_refined, refined.neck_weights, refined.neck_pivot),
+        Method("GEM fitted", by_fit, refined.neck_weights, refined.neck_pivot),
+    ]
+
+
+def _neck(run: Run) -> tuple[Floats, Floats]:
+    template = run.capture.template
+    return run.texels.spread(template.neck_weights).astype(np.float32), template.neck_pivot
+
+
+def _fitted(gem: Gem, capture: Capture, judged: list[Shot], split: str) -> dict[int, tuple[Floats, Pose]]:
+    """Timestep -> coefficients and pose, from other cameras than the judged ones."""
+    moments, own = {shot.timestep for shot in judged}, {shot.camera_index for shot in judged}
+    others = capture.train if split == "val" else capture.test
+    shots = [shot for shot in others if shot.timestep in moments and shot.camera_index not in own]
+    cameras = sorted({shot.camera_index for shot in shots})
+    chosen = {cameras[i] for i in np.linspace(0, len(cameras) - 1, min(VIEWS, len(cameras))).round().astype(int)}
+    found = fit_moments(gem, capture, [shot for shot in shots if shot.camera_index in chosen])
+    return {m.timestep: (m.fit.coefficients, (m.fit.pose.turn, m.fit.pose.move)) for m in found}
+
+
+def _network() -> Perceptual | None:
+    try:
+        return Perceptual("vgg")
+    except WeightsMissing as error:
+        print(f"without LPIPS: {error}")
+        return None
+
+
+def _measured(image: Floats, truth: Floats, network: Perceptual | None) -> list[float]:
+    flip = flip_map(image, truth)
+    far = float("nan")
+    if network is not None:
+        with torch.no_grad():
+            pair = [torch.from_numpy(np.ascontiguousarray(x)).permute(2, 0, 1)[None] for x in (image, truth)]
+            far = float(network.lpips(*pair))
+    seen = float("nan") if flip is None else float(flip.mean())
+    return [psnr(image, truth), ssim(image, truth), far, l1(image, truth), seen]
+
+
+def _bytes(image: Floats) -> NDArray[np.uint8]:
+    return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
+
+
+def _titles(methods: list[Method], row: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    bar = np.full((22, row.shape[1], 3), 255, np.uint8)
+    width = row.shape[1] // (len(methods) + 1)
+    for index, name in enumerate(["taken", *(method.name for method in methods)]):
+        cv2.putText(bar, name, (index * width + 6, 16), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (0, 0, 0), 1, cv2.LINE_AA)
+    return bar
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
