@@ -106,8 +106,8 @@ class SplatRenderer:
     def close(self) -> None:
         """Release everything on the GPU, and the context if it is the renderer's own."""
         with self._context:
-            owned = (self._everywhere, self._quads, self._corners, self._projector, self._drawer)
-            for resource in (*self._splat_resources, *self._picture_resources, *owned):
+            self._let_go(self._splat_resources + self._picture_resources)
+            for resource in (self._everywhere, self._quads, self._corners, self._projector, self._drawer):
                 resource.release()
         self._splat_resources, self._picture_resources = [], []
         if self._owns_context:
@@ -152,11 +152,17 @@ class SplatRenderer:
             self._context.finish()
         times.append(time.perf_counter())
 
+    def _let_go(self, resources: list[moderngl.Texture | moderngl.Framebuffer]) -> None:
+        """Release textures and framebuffers; one that stayed bound would be an error in whatever is drawn next."""
+        if resources:
+            self._context.detect_framebuffer(0).use()
+        for resource in resources:
+            resource.release()
+
     def _fit(self, splats: int, camera: Camera) -> None:
         context, rows = self._context, max(1, -(-splats // ROW))
         if rows > self._rows:
-            for resource in self._splat_resources:
-                resource.release()
+            self._let_go(self._splat_resources)
             size, self._rows = (ROW, rows), rows
             self._raw = {name: context.texture(size, width, dtype="f4") for name, width in _RAW_CHANNELS.items()}
             self._order = context.texture(size, 1, dtype="u4")
@@ -167,8 +173,7 @@ class SplatRenderer:
                 texture.filter = moderngl.NEAREST, moderngl.NEAREST
             self._splat_resources = [self._projected, *textures]
         if self._image.shape[:2] != (camera.height, camera.width):
-            for resource in self._picture_resources:
-                resource.release()
+            self._let_go(self._picture_resources)
             color = context.texture((camera.width, camera.height), 4, dtype=self._target_type)
             self._target = context.framebuffer([color])
             self._picture_resources = [self._target, color]

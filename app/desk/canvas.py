@@ -72,6 +72,7 @@ class Canvas:
         return texture, self._context.framebuffer([texture])
 
     def _released(self) -> None:
+        self._context.detect_framebuffer(0).use()  # one that stayed bound would be an error in the next call
         self._frame.release()
         self._kept.release()
 

@@ -67,6 +67,7 @@ class DeskOffscreen:
     def resize(self, size: tuple[int, int]) -> None:
         """Another size from now on."""
         with self.context:
+            self.context.detect_framebuffer(0).use()  # one that stayed bound would be an error in the next call
             self._target.release()
             self.size, self._target = size, self.context.simple_framebuffer(size, 4)
 

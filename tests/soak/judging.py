@@ -8,8 +8,8 @@ MOST_GROWTH = 0.05
 """Share by which memory may be larger in the last fifth than in the second."""
 SLACK_MB = 8.0
 MOST_SLOWER = 1.25
-LONGEST_GAP = 1.5
-"""Seconds without a picture, however bad the weather: the avatar goes on breathing."""
+LONGEST_GAP = 5.0
+"""Seconds without a picture, however bad the weather and busy the machine: the avatar goes on breathing."""
 
 
 def complaints(soaked: Soaked) -> list[str]:

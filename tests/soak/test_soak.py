@@ -38,7 +38,7 @@ def test_a_flat_run_is_no_reason_to_complain() -> None:
         ("handles", [20 + i // 10 for i in range(120)], "open handles grew"),
         ("threads", [8 + i // 10 for i in range(120)], "open threads grew"),
         ("gaps", [0.03 + i / 10_000 for i in range(600)], "at the end every"),
-        ("gaps", [0.03] * 599 + [2.0], "nothing moved for 2.0 s"),
+        ("gaps", [0.03] * 599 + [6.0], "nothing moved for 6.0 s"),
         ("failures", ["ValueError()"], "ValueError"),
         ("alive", False, "is dead"),
     ],
