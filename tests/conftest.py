@@ -3,6 +3,7 @@
 import json
 import os
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,41 @@ from typing import Any
 # as the command does, and before any library starts its threads: idle ones spin against those of the others
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
+import moderngl
 import numpy as np
 import pytest
 from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
 from gemheads.models.ply import SH_C0, save_ply
 from gemheads.render.gaussians import RawGaussians
 from gemheads.render.rotations import normalized
+
+
+@pytest.fixture(autouse=True)
+def no_gl_error(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """No test may leave an OpenGL error behind in any context that it opened, wherever it was opened and closed."""
+    opened: list[moderngl.Context] = []
+    found: list[str] = []
+    create, release = moderngl.create_context, moderngl.Context.release
+
+    def watched(*arguments: Any, **settings: Any) -> moderngl.Context:
+        opened.append(create(*arguments, **settings))
+        return opened[-1]
+
+    def looked_at(context: moderngl.Context) -> None:
+        if context in opened:
+            opened.remove(context)
+            with context:
+                found.append(context.error)
+        release(context)
+
+    monkeypatch.setattr(moderngl, "create_context", watched)
+    monkeypatch.setattr(moderngl.Context, "release", looked_at)
+    yield
+    for context in opened:
+        with context:
+            found.append(context.error)
+    assert set(found) <= {"GL_NO_ERROR"}
+
 
 TINY_COMPONENTS = {"position": 3, "rotation": 2, "scale": 2, "opacity": 0}
 
