@@ -20,6 +20,16 @@ from gemheads.render.gaussians import RawGaussians
 from gemheads.render.rotations import normalized
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_data_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Where this run keeps its avatars and the key that it signs with: never the folder of whoever runs the tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        folder = tmp_path_factory.mktemp("data")
+        patch.setenv("XDG_DATA_HOME", str(folder))
+        patch.setattr("platformdirs.user_data_dir", lambda name, **_: str(folder / name))
+        yield folder
+
+
 @pytest.fixture(autouse=True)
 def no_gl_error(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """No test may leave an OpenGL error behind in any context that it opened, wherever it was opened and closed."""

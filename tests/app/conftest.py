@@ -1,6 +1,6 @@
 """A tiny avatar and tiny clips, made here: no test needs a network, a camera or a shipped file."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
@@ -50,16 +50,6 @@ def tiny(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("avatars") / "tiny.gem"
     save_gem(tiny_gem(), path)
     return path
-
-
-@pytest.fixture(scope="session", autouse=True)
-def own_data_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Where this run keeps its avatars and the key that it signs with: never the folder of whoever runs the tests."""
-    with pytest.MonkeyPatch.context() as patch:
-        folder = tmp_path_factory.mktemp("data")
-        patch.setenv("XDG_DATA_HOME", str(folder))
-        patch.setattr("platformdirs.user_data_dir", lambda name, **_: str(folder / name))
-        yield folder
 
 
 Clip = Callable[..., Path]
