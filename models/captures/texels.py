@@ -14,15 +14,15 @@ from .uvraster import cover
 
 Floats = NDArray[np.floating]
 
-FOOTPRINT = 0.8
+FOOTPRINT = 0.6
 """Standard deviation of a splat along the surface in distances between texels: less leaves holes, more blurs."""
 THICKNESS = 0.12
 """... and across it, as a share of that along it."""
 OPACITY = 0.95
 """Peak opacity of a splat that nothing has been learned of: such a logit still has a slope."""
-SMALLEST_M, LARGEST_M = 1e-4, 2e-2
+SMALLEST_M, LARGEST_M = 1e-4, 1e-2
 """Bounds of that standard deviation, metres: a UV map may squeeze a triangle or pull it apart."""
-LONGEST = 3.0
+LONGEST = 2.0
 """A splat is at most so many times as long as it is wide: needles stick out where the surface bends."""
 
 
