@@ -1,5 +1,7 @@
 """Arrays of an .npz, each checked before it is let in. Nothing is unpickled."""
 
+import math
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -7,12 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.lib.format as npy
 from numpy.typing import NDArray
 
 from .layout import CaptureError
 
 MAX_BYTES = 256 * 2**20
 """Of one unpacked array: far above any head mesh, far below what exhausts memory."""
+_HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+_BROKEN = (
+    *(OSError, ValueError, EOFError, KeyError, TypeError, SyntaxError, OverflowError, RuntimeError),
+    *(zipfile.BadZipFile, zlib.error, NotImplementedError, tokenize.TokenError),
+)
+"""What the readers of archives and of array headers raise where there is none."""
 _AGAIN = "write it anew with numpy.savez (docs/captures.md lists its arrays)"
 
 
@@ -25,13 +34,26 @@ def load_arrays(path: Path, names: tuple[str, ...]) -> Mapping[str, NDArray[Any]
         raise CaptureError(path, "is missing", "every timestep needs its mesh, and the capture its template.npz")
     try:
         with zipfile.ZipFile(path) as packed:
-            for entry in packed.infolist():
-                if entry.filename.removesuffix(".npy") in names and entry.file_size > MAX_BYTES:
-                    raise CaptureError(path, f"{entry.filename} unpacks to {entry.file_size / 2**20:.0f} MiB", _AGAIN)
-        with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in names if name in arrays.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
+            entries = {entry.filename.removesuffix(".npy"): entry for entry in packed.infolist()}
+            return {name: _array(packed, entries[name]) for name in names if name in entries}
+    except _BROKEN as error:
         raise CaptureError(path, f"cannot be read as an .npz of plain arrays ({error})", _AGAIN) from error
+
+
+def _array(packed: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
+    """One array, whose header is held against the bytes that are there before memory is taken. Raises ValueError."""
+    if entry.file_size > MAX_BYTES:
+        raise ValueError(f"{entry.filename[:40]} unpacks to {entry.file_size / 2**20:.0f} MiB")
+    with packed.open(entry) as file:
+        read_header = _HEADERS.get(npy.read_magic(file))
+        if read_header is None:
+            raise ValueError(f"{entry.filename[:40]} is of no known version")
+        shape, by_columns, dtype = read_header(file)
+        size = math.prod(shape) * dtype.itemsize
+        if dtype.hasobject or min(shape, default=0) < 0 or size != entry.file_size - file.tell():
+            raise ValueError(f"{entry.filename[:40]} does not hold the numbers that it tells of")
+        values = np.frombuffer(file.read(size), dtype)
+    return values.reshape(shape, order="F" if by_columns else "C")
 
 
 def floats(path: Path, name: str, values: NDArray[Any], shape: tuple[int | None, ...]) -> NDArray[np.float32]:

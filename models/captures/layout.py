@@ -22,7 +22,8 @@ class CaptureError(Exception):
     """A capture that cannot be learned from: what is wrong, in which file, and the cure."""
 
     def __init__(self, where: Path, what: str, cure: str) -> None:
-        super().__init__(f"{where}: {what}; {cure}")
+        said = " ".join(what.split())  # hostile files put themselves into messages
+        super().__init__(f"{where}: {said if len(said) <= 300 else said[:297] + '...'}; {cure}")
         self.where, self.what, self.cure = where, what, cure
 
 

@@ -16,6 +16,7 @@ MAX_BYTES = 256 * 2**20
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0, 1.0])
 """OpenGL cameras (x right, y up, looking along -z) and ours (x right, y down, along +z) differ by two signs."""
 _RIGID_TOLERANCE = 1e-3
+_MAX_PATH = 400
 _INTRINSICS = ("fl_x", "fl_y", "cx", "cy", "w", "h")
 _FRAME_CURE = "correct that frame, or take it out"
 
@@ -139,7 +140,7 @@ def _matrix(path: Path, name: str, value: Any) -> np.ndarray:
 
 def _inside(path: Path, name: str, value: Any) -> Path:
     """A path of the transforms file, which has to stay in its folder."""
-    if not isinstance(value, str) or not value or "\0" in value:
+    if not isinstance(value, str) or not 0 < len(value) <= _MAX_PATH or "\0" in value:
         raise CaptureError(path, f"{name} has no file_path, or one that is no text", _FRAME_CURE)
     relative = PurePosixPath(value)
     if relative.is_absolute() or ".." in relative.parts or Path(value).is_absolute() or ":" in relative.parts[0]:

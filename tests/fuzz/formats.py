@@ -18,6 +18,7 @@ from gemheads.app.sources import open_source
 from gemheads.app.tracks import load_track
 from gemheads.app.weights import load_weights
 from gemheads.models import mediafile, picturefile
+from gemheads.models.captures.layout import TEMPLATE, CaptureError, transforms_name
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.regressor import Regressor, RegressorError
 from gemheads.models.gemfile import GemFormatError, load_gem, read_info
@@ -25,7 +26,7 @@ from gemheads.models.importers.foreign import ForeignFormatError
 from gemheads.models.importers.lam import load_lam
 from gemheads.models.importers.plysequence import open_sequence
 
-from . import glbs, graphs, honest, pngs, tensorfiles, texts
+from . import captures, glbs, graphs, honest, pngs, tensorfiles, texts
 from .damage import damaged
 
 
@@ -118,6 +119,8 @@ FORMATS = {
     "ply": Format(honest.ply, texts.mutated_ply, _ply, ForeignFormatError, "input.ply"),
     "glb": Format(honest.glb, glbs.mutated, _lam, ForeignFormatError, "skin.glb"),
     "camera": Format(honest.camera, texts.mutated_json, load_camera, InputError),
+    "capture": Format(captures.transforms, texts.mutated_json, captures.read, CaptureError, transforms_name("train")),
+    "template": Format(captures.template, captures.mutated_npz, captures.read, CaptureError, TEMPLATE),
     "settings": Format(honest.settings, texts.mutated_text, _settings, AssertionError, "live.toml"),
     "onnx": Format(honest.onnx, graphs.mutated, _onnx, RegressorError),
     "video": Format(honest.video, damaged, _driver, InputError, "input.mp4", VIDEO),
