@@ -57,7 +57,7 @@ def save_subject(person: Person, ingredients: Ingredients, path: Path) -> None:
     shader = make_shader(person, head, ingredients)
     head = capped(head)
     pieces = _pieces(head)
-    arrays = _mesh(head, pieces) | _maps(shader, pieces.unwrapped) | _cards(person, ingredients)
+    arrays: dict[str, Any] = _mesh(head, pieces) | _maps(shader, pieces.unwrapped) | _cards(person, ingredients)
     viewing = viewing_of(head)
     arrays["viewing"] = np.array([*viewing.target, viewing.head_height], np.float32)
     arrays["hair_color"] = np.array([person.hair.color, person.hair.tip], np.float32)

@@ -61,8 +61,10 @@ def _faces(split: str, count: int, rng: np.random.Generator) -> Weights:
     emotions = [weights_of(**EMOTIONS[name]) for name in EMOTIONS_SHOWN[split]]
     visemes = [weights_of(**VISEMES[name]) for name in VISEMES_SPOKEN[split]]
     looks = [gaze(0.8, 0.1), gaze(-0.8, 0.0), gaze(0.1, 0.8), gaze(0.0, -0.8)]
-    own = [face + (looks[i // 2 % 4] if i % 2 else 0) for i, face in enumerate(emotions + visemes)]
-    faces = [np.zeros(len(NAMES), np.float32)] if split == "train" else []
+    own: list[NDArray[np.floating]] = [
+        face + (looks[i // 2 % 4] if i % 2 else 0) for i, face in enumerate(emotions + visemes)
+    ]
+    faces: list[NDArray[np.floating]] = [np.zeros(len(NAMES), np.float32)] if split == "train" else []
     faces += [own[i] for i in rng.permutation(len(own))]
     while len(faces) < count:
         face = rng.uniform(0.3, 1.1) * visemes[rng.integers(len(visemes))]

@@ -103,5 +103,5 @@ def over(
     return _bytes(rgb), _bytes(alpha[..., 0])
 
 
-def _bytes(values: NDArray[np.float32]) -> NDArray[np.uint8]:
+def _bytes(values: NDArray[np.floating]) -> NDArray[np.uint8]:
     return np.round(255 * np.clip(values, 0, 1)).astype(np.uint8)
