@@ -49,9 +49,9 @@ class Answer(NamedTuple):
         return errors[0]
 
 
-def run(limit: int, commands: dict[str, list[str]]) -> dict[str, Answer]:
-    """All of them in one process, where no file may grow beyond ``limit`` bytes."""
-    program = [sys.executable, "-c", PROGRAM, str(limit)]
+def run(limit: int, commands: dict[str, list[str]], first: str = "") -> dict[str, Answer]:
+    """All of them in one process, which begins with ``first``; no file may grow beyond ``limit`` bytes."""
+    program = [sys.executable, "-c", first + PROGRAM, str(limit)]
     given = json.dumps(commands)
     done = subprocess.run(program, input=given, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
