@@ -19,6 +19,8 @@ KINDS = {
 }
 """Suffixes of files that can carry credentials, and what c2pa calls their kind."""
 MISSING = "no credentials: the extra that signs is not installed; run pip install 'gemheads[credentials]'"
+SPILLS_MB = 64
+"""c2pa holds files up to this size in memory while it signs; larger ones go through a temporary file."""
 OFFLINE = {"remote_manifest_fetch": False, "ocsp_fetch": False}
 """c2pa would otherwise follow addresses that are written in a file."""
 
@@ -65,7 +67,11 @@ class Signer:
     def _signed(self, kind: str, source: Any, result: Any, statement: Statement) -> None:
         c2pa = self._c2pa
         info = c2pa.C2paSignerInfo(b"es256", self._key.chain_pem, self._key.private_pem, None)  # no time stamp
-        settings = {"verify": OFFLINE, "builder": {"thumbnail": {"enabled": False}}}
+        settings = {
+            "verify": OFFLINE,
+            "builder": {"thumbnail": {"enabled": False}},
+            "core": {"backing_store_memory_threshold_in_mb": SPILLS_MB},
+        }
         with (
             c2pa.Context.from_dict(settings) as context,
             c2pa.Signer.from_info(info) as signer,

@@ -172,3 +172,38 @@ def test_a_kill_leaves_the_whole_file_signed_or_not(signer: Signer, tmp_path: Pa
         whole = path.read_bytes() == before
         states.add("none" if whole else read_credentials(path).state)
     assert states <= {"none", "intact"}
+
+
+LARGE = """
+import resource, sys
+from pathlib import Path
+import av
+import numpy as np
+from gemheads.app.credentials.localkey import local_key
+from gemheads.app.credentials.reading import read_credentials
+from gemheads.app.credentials.signing import Signer
+from gemheads.app.credentials.statement import Driver, Statement
+
+path, image = Path(sys.argv[1]), np.zeros((1080, 1920, 3), np.uint8)
+with av.open(str(path), "w", options={"movflags": "frag_keyframe+delay_moov+default_base_moof"}) as container:
+    stream = container.add_stream("rawvideo", rate=30)
+    stream.width, stream.height, stream.pix_fmt = 1920, 1080, "rgb24"
+    for _ in range(24):
+        container.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="rgb24")))
+signer = Signer(local_key(path.with_suffix(".pem")))
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+signer.sign(path, Statement((), Driver("live")))
+grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+print(read_credentials(path).state, path.stat().st_size // 10**6, grown // 1024)
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is counted in other units elsewhere")
+def test_a_long_recording_is_signed_piece_by_piece(signer: Signer, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LARGE, str(tmp_path / "a.mov")], capture_output=True, text=True, check=True
+    )
+    state, megabytes, grown = done.stdout.split()
+    assert state == "intact"
+    assert int(megabytes) > 140
+    assert int(grown) < 60
