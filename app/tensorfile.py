@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ..models.wholefile import open_ordinary
 
 Tensors = dict[str, NDArray[np.generic]]
+MAX_HEADER_BYTES = 64 * 2**10
+"""An honest header has some hundred bytes."""
 _LENGTH_BYTES = 8
 _RATIO = re.compile(r"[0-9]{1,9}(/[0-9]{1,9})?")
 
@@ -31,6 +33,8 @@ def read_tensor_file(path: Path, most_bytes: int) -> tuple[dict[str, str], Tenso
         content = file.read(most_bytes)
     try:
         length = int.from_bytes(content[:_LENGTH_BYTES], "little")
+        if length > MAX_HEADER_BYTES:
+            raise ValueError(f"a header of {length} bytes")
         header = read_json(content[_LENGTH_BYTES : _LENGTH_BYTES + length])
         tensors = load(content)
     except (SafetensorError, KeyError, TypeError) as error:

@@ -62,10 +62,11 @@ def main(name: str, seed: int, first: int, count: int) -> None:
         for index in range(first, first + count):
             print("READ", index, file=told, flush=True)
             path.write_bytes(made(name, content, seed, index))
+            size = path.stat().st_size
             peak, seconds, wrong = weighed(fuzzed, path)
             if not wrong and seconds > MOST_SECONDS:
                 wrong = f"{seconds:.1f} s of the processor"
-            if not wrong and peak > 2 * honest + fuzzed.memory:
+            if not wrong and peak > 2 * max(honest, size) + fuzzed.memory:
                 wrong = f"{peak / 2**20:.0f} MiB of memory"
             if wrong:
                 print("WRONG", index, wrong.replace("\n", " "), file=told, flush=True)

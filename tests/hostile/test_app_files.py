@@ -64,6 +64,12 @@ def test_json_without_end(tmp_path: Path) -> None:
     refused(load_track, tmp_path / "t", len(DEEP).to_bytes(8, "little") + DEEP.encode(), "not a track")
 
 
+def test_a_header_of_megabytes(tmp_path: Path) -> None:
+    """JSON takes twenty times its size while it is read."""
+    header = b'{"a": [' + b"0," * 2**22 + b"0]}"
+    refused(load_track, tmp_path / "t", len(header).to_bytes(8, "little") + header, "a header of 8388")
+
+
 def test_times_whose_differences_wrap_around(tmp_path: Path) -> None:
     """2**63 - 1 and then -2**63: by their difference in 64 bits, one tick later."""
     pts = np.array([0, 2**63 - 1, -(2**63)])
