@@ -39,6 +39,8 @@ GAIN = {
     "eyeWideRight": 1.4,
 }
 """Factors on shapes that are timid: measured on the face tracker, whose scores of people they should reach."""
+LID_FOLLOWS = {"eyeLookUp": ("eyeWide", 0.6)}
+"""Shape -> what it borrows, and how much: eyes that look up raise the lids, which MakeHuman's shape hardly does."""
 UPPER_TEETH_DROP, LOWER_TEETH_DROP = 0.034, 0.030
 TONGUE_SHIFT = np.array([0.0, -0.05, -0.03])
 """Decimetres: MakeHuman's teeth hide behind the upper lip; incisors should reach just below where the lips meet."""
@@ -93,6 +95,8 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
     is_flesh[np.unique(base.quads[groups == "body"])] = True
     for side in ("Left", "Right"):
         units[NAMES.index(f"eyeBlink{side}")] *= blink
+        for name, (lent, share) in LID_FOLLOWS.items():
+            units[NAMES.index(name + side)] += share * units[NAMES.index(lent + side)]
     jaw_open = units[NAMES.index("jawOpen")]
     for name, shape in PURSES.items():
         unit = units[NAMES.index(name)]

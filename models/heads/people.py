@@ -39,7 +39,7 @@ class Person:
     skin: str
     """Diffuse map below makehuman/skins."""
     eye: str
-    """Iris map of proxies/eyes/HighPolyEyes."""
+    """Name of a colour in ``shading.IRIS_COLORS``."""
     brow: str
     """Folder of the brow proxy in proxies/eyebrows."""
     brow_color: Rgb
@@ -56,6 +56,8 @@ class Person:
     """Lip colour, sRGB."""
     lip_gloss: float = 0.8
     """Oiliness of the lips over that of skin: on dark lips a little reads as much."""
+    sclera: Rgb = (0.54, 0.527, 0.51)
+    """The white of the eyes, linear light; beside dark skin a bright one would stare."""
     freckles: float = 0.0
     """0..1"""
     stubble: float = 0.0
@@ -115,7 +117,7 @@ MARA = Person(
         "chin/chin-width-decr": 0.4,
         "nose/nose-scale-horiz-decr": 0.4,
         "nose/nose-point-up": 0.3,
-        "eyebrows/eyebrows-trans-up": 0.5,
+        "eyebrows/eyebrows-trans-up": 0.05,
         "mouth/mouth-angles-up": 0.35,
     },
     skin="young_caucasian_female/textures/young_lightskinned_female_diffuse.png",
@@ -126,10 +128,10 @@ MARA = Person(
     seed=11,
     splats=23_400,
     freckles=0.6,
-    brow_lift=0.0032,
+    brow_lift=0.0027,
     rest=RELAXED
-    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.16, "mouthSmileRight": 0.16}
-    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0},
+    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
+    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0, "browDownLeft": 0.1, "browDownRight": 0.1},
     gain=_paired({"mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}),
 )
 
@@ -139,8 +141,10 @@ THEO = Person(
     | _both("eyes/eye-scale-incr", 0.25)
     | {
         "eyebrows/eyebrows-trans-up": 0.95,
-        "mouth/mouth-upperlip-volume-incr": 0.4,
-        "mouth/mouth-lowerlip-volume-incr": 0.4,
+        "mouth/mouth-scale-horiz-decr": 0.4,
+        "mouth/mouth-scale-depth-incr": 0.4,
+        "mouth/mouth-upperlip-volume-incr": 0.7,
+        "mouth/mouth-lowerlip-volume-incr": 0.7,
         "mouth/mouth-upperlip-height-incr": 0.45,
         "mouth/mouth-lowerlip-height-incr": 0.35,
         "mouth/mouth-angles-up": 0.3,
@@ -158,14 +162,15 @@ THEO = Person(
     rest=RELAXED
     | {"mouthSmileLeft": 0.18, "mouthSmileRight": 0.18}
     | {"browInnerUp": 0.05, "browOuterUpLeft": 0.30, "browOuterUpRight": 0.30},
-    gain=_paired({"browOuterUp": 1.4, "mouthUpperUp": 2.1, "mouthFrown": 1.6}) | {"browInnerUp": 1.25},
+    gain=_paired({"browOuterUp": 1.4, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
+    | {"browInnerUp": 1.25, "mouthPucker": 1.1},
 )
 
 JONAH = Person(
     name="jonah",
     targets=_macro({"african": 1.0}, {"male": 1.0}, {"young": 1.0})
+    | _both("eyes/eye-scale-incr", 0.3)
     | {
-        "mouth/mouth-scale-horiz-incr": 0.5,
         "mouth/mouth-scale-depth-decr": 0.7,
         "mouth/mouth-lowerlip-volume-decr": 0.7,
         "mouth/mouth-upperlip-volume-decr": 0.7,
@@ -174,7 +179,8 @@ JONAH = Person(
         "eyebrows/eyebrows-trans-up": 0.2,
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
-    eye="brown",
+    eye="warmbrown",
+    sclera=(0.44, 0.41, 0.375),
     brow="eyebrow008",
     brow_color=(0.07, 0.05, 0.045),
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
@@ -182,8 +188,8 @@ JONAH = Person(
     lip=(0.35, 0.20, 0.18),
     lip_gloss=0.2,
     stubble=0.35,
-    rest=RELAXED,
-    gain={"browInnerUp": 1.3, "mouthPucker": 1.15},
+    rest=RELAXED | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32},
+    gain={"browInnerUp": 1.3, "mouthPucker": 1.3},
 )
 
 LIN = Person(

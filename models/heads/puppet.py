@@ -9,8 +9,8 @@ from ..arkit import NAMES
 
 Floats = NDArray[np.floating]
 
-GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 28.0, "Down": 32.0}
-"""Degrees an eyeball turns at weight 1."""
+GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 21.0, "Down": 25.0}
+"""Degrees an eyeball turns at weight 1; further up or down the lids would hide the iris."""
 LID_CLEARANCE = 1.035
 """Lids ride at this multiple of the eyeball's radius."""
 

@@ -15,6 +15,7 @@ from ...render.rotations import matrix_from_wxyz
 from .expressions import weights_of
 from .head import EYES, SKIN, TEETH, TONGUE
 from .meshview import see
+from .performance import gaze
 from .shading import Shader
 from .splats import Rider, posed
 
@@ -45,6 +46,10 @@ def views_of(shader: Shader, rider: Rider, size: int = 400, supersample: int = 2
     ]
     shots += [(weights_of(), yaw, pitch, 9) for yaw, pitch in ((0, 0), (20, -12), (-20, 12))]
     shots += [(weights_of(eyeBlink=1), yaw, 0, 9) for yaw in (0, 18)]
+    # what lies behind the lids at rest comes out when the eyes turn
+    shots += [
+        (gaze(*toward), 0, 0, 9) for toward in ((-0.9, 0), (0.9, 0), (0, 0.9), (0, -0.9), (-0.6, 0.6), (0.6, -0.6))
+    ]
     shots += [(smile, yaw, 0, 9) for yaw in (0, 25, -25)]
     shots += [(weights_of(jawOpen=0.8), yaw, pitch, 9) for yaw, pitch in ((0, 0), (-20, -8), (20, 10))]
     views = []

@@ -27,6 +27,7 @@ IRIS_COLORS = {
     "green": (0.33, 0.36, 0.22),
     "lightblue": (0.37, 0.45, 0.51),
     "brown": (0.25, 0.135, 0.07),
+    "warmbrown": (0.335, 0.19, 0.10),
     "blue": (0.24, 0.36, 0.52),
 }
 
@@ -110,7 +111,7 @@ class Shader:
         tint = tint + pupil * (0.006 - tint)
         outward = np.clip((angle - 0.55) / 0.7, 0, 1)[:, None]
         veins = np.clip(value_noise(ring * 2 + offset * 6, 0.5, self.person.seed + 2), 0, 1)[:, None]
-        sclera = np.array([0.54, 0.527, 0.51]) * (1 - outward * np.array([0.12, 0.26, 0.28]))
+        sclera = np.array(self.person.sclera) * (1 - outward * np.array([0.12, 0.26, 0.28]))
         sclera = sclera * (1 - veins * outward * np.array([0.02, 0.14, 0.14]))
         edge = np.clip((angle - IRIS_RAD) / 0.05 + 0.5, 0, 1)[:, None]
         return tint + edge * (sclera - tint)
