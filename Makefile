@@ -3,6 +3,7 @@
 # make avatars  rebuild assets/avatars from their ingredients
 # make lint     the quick half of make test
 # make lock     the versions and hashes that CI installs, anew (asks the package index)
+# make nightly  100,000 mutated files of each format, and half an hour of the live loop in foul weather (hours)
 # make licences the licences of all that is installed, and build/sbom.json, its bill of materials
 
 PYTHON ?= python3
@@ -13,13 +14,17 @@ WINDOW_PACKAGES := xvfb xdotool
 SYSTEM := build/system.stamp
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test avatars lint lock licences clean
+.PHONY: demo test avatars lint lock nightly licences clean
 
 demo: $(VENV)/base.stamp $(VENV)/warm.stamp
 	$(BIN)/gemheads demo
 
 test: lint build/window.stamp
 	$(BIN)/pytest
+
+nightly: $(VENV)/dev.stamp
+	$(BIN)/python tests/bench/fuzz.py --inputs 100000
+	$(BIN)/python tests/bench/soak.py --minutes 30
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .
