@@ -72,8 +72,8 @@ class CnnAvatar(nn.Module):
             "opacity_logits": torch.from_numpy(raw.opacity_logits),
             "surroundings": where.view(1, 3, texels.size, texels.size),
         }.items():
-            # made of the template each time, so no checkpoint needs them
-            self.register_buffer(name, tensor, persistent=False)
+            # kept with the weights: what is learned counts from these, also where a later version makes others
+            self.register_buffer(name, tensor)
 
     def forward(self, moment: Moment, bare: bool = False) -> tuple[RawTensors, Residuals]:
         """The splats of an expression in canonical space, and how far they are from the bare mesh; ``bare`` is it."""

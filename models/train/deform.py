@@ -47,7 +47,7 @@ def moment_of(texels: Texels, tracked: Tracked, device: torch.device | str = "cp
     arrays = (positions, gradients, wxyz_from_matrix(turns), tracked.rotation, tracked.translation)
     return Moment(
         maps.view(1, 3, texels.size, texels.size).to(device),
-        *(torch.from_numpy(np.asarray(array, np.float32)).to(device) for array in arrays),
+        *(torch.from_numpy(np.array(array, np.float32)).to(device) for array in arrays),
     )
 
 

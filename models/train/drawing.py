@@ -25,7 +25,7 @@ class Stage:
         self.capture, self.texels, self.avatar, self.device = capture, texels, avatar, device
         self.moments = Moments(capture, texels, device)
         self._neck_weights = torch.from_numpy(texels.spread(capture.template.neck_weights)).float().to(device)
-        self._pivot = torch.from_numpy(np.asarray(capture.template.neck_pivot, np.float32)).to(device)
+        self._pivot = torch.from_numpy(np.array(capture.template.neck_pivot, np.float32)).to(device)
 
     def splats(self, timestep: int, bare: bool = False) -> tuple[RawTensors, Residuals]:
         """The avatar at one moment, with the head's pose, and how far it is from the ``bare`` mesh."""
