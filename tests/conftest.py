@@ -175,72 +175,9 @@ def lam() -> LamPieces:
     return LamPieces(tree, buffer, splats, vertices, triangles, {"jawOpen": jaw, "browInnerUp": brow})
 
 
-BALL_MOMENTS = {"train": range(6), "test": range(6, 8)}
-BALL_CAMERAS = 5
-"""The last of which is held out."""
-
-
 @pytest.fixture(scope="session")
-def ball_capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A capture of a spotted ball 22 cm high that opens a jaw, turns and moves, 64 x 64 pixels: 6 training moments and
-    2 others, 4 cameras and 1 held out. What was tracked lies 3 mm beneath what is seen."""
-    from gemheads.models.arkit import NAMES
-    from gemheads.models.captures.headmotion import posed
-    from gemheads.models.captures.layout import Template
-    from gemheads.models.captures.texels import texels_of
-    from gemheads.models.captures.writer import CaptureWriter
-    from gemheads.models.posing import pose_head
-    from gemheads.render.camera import orbit
-    from gemheads.render.compositing import over
-    from gemheads.render.software import SoftwareEngine
+def toy_capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A capture of 64 x 64 pixels: 6 training moments and 2 others, 4 cameras and 1 held out."""
+    from toycapture import write_capture
 
-    rows, columns = 13, 20
-    down, around = (a.ravel() for a in np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, columns), indexing="ij"))
-    polar, angle = np.pi * (0.02 + 0.96 * down), 2 * np.pi * around
-    directions = np.stack([np.sin(polar) * np.sin(angle), np.cos(polar), np.sin(polar) * np.cos(angle)], 1)
-    vertices = directions * [0.09, 0.11, 0.1]
-    corner = np.arange(rows * columns).reshape(rows, columns)[:-1, :-1].ravel()
-    quads = np.stack([corner, corner + columns, corner + 1, corner + 1, corner + columns, corner + columns + 1], 1)
-    triangles = quads.reshape(-1, 3)
-    uv = np.stack([around, 1 - down], 1)
-    template = Template(
-        vertices.astype(np.float32),
-        triangles.astype(np.int32),
-        uv.astype(np.float32),
-        triangles.astype(np.int32),
-        np.ones(len(vertices), np.float32),
-        np.float32([0, -0.08, -0.02]),
-        np.zeros(len(triangles), np.uint8),
-        ("skin",),
-    )
-    texels = texels_of(template, 24)
-    places = texels.spread(template.uv)
-    spots = 0.5 + 0.4 * np.sin(2 * np.pi * places[:, :1] + [0, 2, 4] + 6 * places[:, 1:])
-    truth = texels.splats(spots)
-    truth.positions[:] += 0.003 * texels.frames[..., 2]
-    writer = CaptureWriter(tmp_path_factory.mktemp("capture") / "ball")
-    writer.begin(template)
-    engine = SoftwareEngine()
-    shots: dict[str, list[Any]] = {"train": [], "val": [], "test": []}
-    rng = np.random.default_rng(2)
-    for split, moments in BALL_MOMENTS.items():
-        for moment in moments:
-            jaw = np.zeros(52)
-            jaw[NAMES.index("jawOpen")] = rng.uniform(0, 1)
-            moved = vertices + jaw.sum() * np.minimum(vertices[:, 1:2] + 0.02, 0) * [0, 0.25, -0.1]
-            rotation, translation = rng.uniform(-0.15, 0.15, 3), rng.uniform(-0.01, 0.01, 3)
-            pivot, shares = template.neck_pivot, template.neck_weights
-            head = posed(moved, shares, pivot, rotation, translation)
-            writer.write_mesh(moment, head, rotation, translation, jaw)
-            turned = pose_head(
-                texels.carried(truth, moved), np.ones(len(texels), np.float32), pivot, rotation, translation
-            )
-            for index in range(BALL_CAMERAS):
-                camera = orbit((0, 0, 0), 0.8, 25 * (index - 2) + 7 * (index == 4), 8 * (index % 2), 22, 64, 64)
-                shot = writer.shot(moment, index, camera)
-                image = engine.draw(turned, camera)
-                writer.write_picture(shot, over(image, (1, 1, 1)), np.round(255 * image[..., 3]).astype(np.uint8))
-                held_out = split == "train" and index == BALL_CAMERAS - 1
-                shots["val" if held_out else split].append(shot)
-    writer.finish(shots, {"subject": "ball", "background": [1, 1, 1]})
-    return writer.folder
+    return write_capture(tmp_path_factory.mktemp("captures") / "toy")

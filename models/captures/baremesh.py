@@ -13,22 +13,20 @@ from .texels import texels_of
 from .texture import texel_colors
 
 KIND = "bare mesh of the capture"
-SAME_M = 5e-4
-"""An avatar whose splats come so near to the tracked mesh's, as root mean square, was distilled from it."""
+"""What an avatar's source begins with that was distilled from one, until it is refined."""
 
 
 def bare_moments(capture: Capture, gem: Gem) -> dict[int, NDArray[np.float32]] | None:
     """Timestep -> coefficients of the training moments, by projection; None for a GEM of anything but the bare mesh."""
     texels = texels_of(capture.template, gem.uv_size)
     places = np.stack([texels.uv_index % gem.uv_size, texels.uv_index // gem.uv_size], 1)
-    if places.shape != gem.uv_index.shape or (places != gem.uv_index).any():
+    theirs = gem.about.get("source", "").startswith(KIND)
+    if not theirs or places.shape != gem.uv_index.shape or (places != gem.uv_index).any():
         return None
     rest, moments = texels.splats(gem.colors), {}
     for timestep in capture.timesteps("train"):
         frame = texels.carried(rest, capture.tracked(timestep).vertices)
         moments[timestep] = gem.project(frame)
-        if np.square(gem.compose(moments[timestep]).positions - frame.positions).mean() > SAME_M**2:
-            return None
     return moments
 
 

@@ -26,8 +26,12 @@ from .views import View, views_of
 
 Progress = Callable[[str, int, int], None]
 
-RATES = {"position": 2e-5, "rotation": 5e-4, "scale": 5e-4, "opacity": 1e-3}
-"""Adam's steps for means and components: metres, quaternions, ln metres and logits of a splat."""
+RATES = {"position": 0.075, "rotation": 3e-3, "scale": 1e-2, "opacity": 1e-2}
+"""Adam's steps for means: typical sizes of a splat, quaternions, ln metres and logits."""
+COMPONENT_SHARE = 0.05
+"""Components step so that a moment one sigma out along the first moves by this share of that ..."""
+ENTRY_SHARE = 0.1
+"""... but by no more than this share of a typical entry: a modality that hardly moves would be torn."""
 COLOUR_RATE = 1e-3
 COEFFICIENT_RATE = 0.01
 """Of a coefficient's sigma."""
@@ -35,7 +39,7 @@ LAST_RATE = 0.05
 """Steps fall to this share by the end, along a cosine."""
 JUDGED = 24
 """Pictures that tell whether it has become better."""
-GROUNDS = 0.5
+GROUNDS = 0.25
 """So often a picture with a mask is laid on a colour drawn by lot: splats in the background's colour give themselves
 away."""
 
@@ -138,8 +142,8 @@ class _Run:
         self._place = {timestep: index for index, timestep in enumerate(sorted({s.timestep for s in learned}))}
         begin = np.stack([moments[timestep].coefficients for timestep in self._place])
         self.free = FreeGem(gem, begin, device)
-        self._neck_weights = torch.from_numpy(gem.neck_weights).to(device)
-        self._pivot = torch.from_numpy(np.asarray(gem.neck_pivot, np.float32)).to(device)
+        self._neck_weights = torch.tensor(gem.neck_weights, device=device)
+        self._pivot = torch.tensor(gem.neck_pivot, dtype=torch.float32, device=device)
         self._optimizer = self._adam()
 
     def refined(self, progress: Progress) -> Refinement:
@@ -212,7 +216,7 @@ class _Run:
     def _drawn(self, shot: Shot, view: View) -> Tensor:
         pose = self._moments[shot.timestep].pose
         raw = self.free.compose(self._place[shot.timestep])
-        turn, move = (torch.from_numpy(x).to(self._device) for x in (pose.turn, pose.move))
+        turn, move = (torch.tensor(x, device=self._device) for x in (pose.turn, pose.move))
         posed = pose_head(raw, self._neck_weights, self._pivot, turn, move)
         return rasterize(activate(posed), view.camera, view.background)
 
@@ -225,14 +229,20 @@ class _Run:
 
     def _adam(self) -> torch.optim.Optimizer:
         free, effort = self.free, self._effort
-        groups = [([free.means[name], free.components[name]], RATES[name]) for name in MODALITIES]
+        size = float(np.exp(np.median(self._gem.bases["scale"].mean.reshape(-1, 3).max(1))))
+        groups: list[tuple[list[Tensor], float]] = []
+        for name in MODALITIES:
+            basis, rate = self._gem.bases[name], RATES[name] * (size if name == "position" else 1)
+            groups.append(([free.means[name]], rate))
+            rate *= COMPONENT_SHARE / max(float(basis.sigma.max(initial=0)), 1e-12)
+            groups.append(([free.components[name]], min(rate, ENTRY_SHARE / basis.rows.shape[1] ** 0.5)))
         if effort.colors:
             groups.append(([free.colors], COLOUR_RATE))
         if effort.coefficients:
             groups.append(([free.whitened], COEFFICIENT_RATE))
         for tensor in free.tensors():
             tensor.requires_grad_(any(tensor is one for group, _ in groups for one in group))
-        options = [{"params": [x for x in group if x.numel()], "lr": rate, "rate": rate} for group, rate in groups]
+        options = [{"params": group, "lr": rate, "rate": rate} for group, rate in groups if group[0].numel()]
         return torch.optim.Adam(options, fused=True)
 
 

@@ -17,18 +17,18 @@ QUICK = ("--no-perceptual", "--iterations", "60")
 
 
 @pytest.fixture(scope="module")
-def bare(ball_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+def bare(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """The avatar of the capture's bare mesh, and its moments."""
     folder = tmp_path_factory.mktemp("bare")
-    out, moments = folder / "ball.gem", folder / "ball.track"
+    out, moments = folder / "toy.gem", folder / "toy.track"
     words = ("--maps", "24", "--components", "4", "--moments", str(moments))
-    assert main(["distill", str(ball_capture), "-o", str(out), *words]) == ExitCode.OK
+    assert main(["distill", str(toy_capture), "-o", str(out), *words]) == ExitCode.OK
     return out, moments
 
 
-def test_a_capture_is_distilled_with_its_moments(ball_capture: Path, bare: tuple[Path, Path]) -> None:
-    gem, track, capture = load_gem(bare[0]), load_track(bare[1]), open_capture(ball_capture)
-    assert gem.about["source"] == "bare mesh of the capture ball, 6 frames"
+def test_a_capture_is_distilled_with_its_moments(toy_capture: Path, bare: tuple[Path, Path]) -> None:
+    gem, track, capture = load_gem(bare[0]), load_track(bare[1]), open_capture(toy_capture)
+    assert gem.about["source"] == "bare mesh of the capture toy, 6 frames"
     assert gem.arkit_weights is not None
     assert track.pts.tolist() == list(capture.timesteps("train"))
     for pose, timestep in zip(track.poses, track.pts.tolist(), strict=True):
@@ -38,13 +38,13 @@ def test_a_capture_is_distilled_with_its_moments(ball_capture: Path, bare: tuple
 
 
 def test_refine_improves_and_its_moments_play(
-    ball_capture: Path, bare: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    toy_capture: Path, bare: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, moments, sheet = tmp_path / "fine.gem", tmp_path / "fine.track", tmp_path / "sheet.png"
     words = (
         "refine",
         str(bare[0]),
-        str(ball_capture),
+        str(toy_capture),
         "-o",
         str(out),
         "--moments",
@@ -56,11 +56,13 @@ def test_refine_improves_and_its_moments_play(
     said = capsys.readouterr()
     assert "dB on the held-out camera, 60 steps" in said.out
     assert "stays as it was" not in said.out
-    assert "it begins at what was tracked" in said.err
-    assert "refined on ball, 60 steps" in load_gem(out).about["source"]
+    assert "is the bare mesh" in said.err
+    assert "refined on toy, 60 steps" in load_gem(out).about["source"]
     assert read_image(sheet).shape == (4 * 64, 4 * 64, 3)
     again = tmp_path / "again.gem"
-    start = ("refine", str(out), str(ball_capture), "-o", str(again), "--start", str(moments))
+    assert main(["refine", str(out), str(toy_capture), "-o", str(again), "--no-perceptual", "--iterations", "10"]) == 0
+    assert "its 6 moments are fitted" in capsys.readouterr().err
+    start = ("refine", str(out), str(toy_capture), "-o", str(again), "--start", str(moments))
     assert main([*start, "--no-perceptual", "--iterations", "10", "--coefficients", "fixed"]) == ExitCode.OK
     frames = tmp_path / "frames"
     play = ("reenact", "--track", str(moments), "--avatar", str(out), "-o", str(frames), "--size", "64x64")
@@ -69,7 +71,7 @@ def test_refine_improves_and_its_moments_play(
 
 
 def test_where_nothing_improves_the_old_one_stays(
-    ball_capture: Path,
+    toy_capture: Path,
     bare: tuple[Path, Path],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
@@ -77,26 +79,26 @@ def test_where_nothing_improves_the_old_one_stays(
 ) -> None:
     from gemheads.models.gem import MODALITIES
 
-    monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 0.05))
-    avatar = tmp_path / "ball.gem"
+    monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 5.0))
+    avatar = tmp_path / "toy.gem"
     avatar.write_bytes(bare[0].read_bytes())
-    assert main(["refine", str(avatar), str(ball_capture), "--no-perceptual", "--iterations", "10"]) == ExitCode.OK
+    assert main(["refine", str(avatar), str(toy_capture), "--no-perceptual", "--iterations", "10"]) == ExitCode.OK
     assert "stays as it was" in capsys.readouterr().out
     assert avatar.read_bytes() == bare[0].read_bytes()
     out = tmp_path / "other.gem"
-    words = ("refine", str(avatar), str(ball_capture), "-o", str(out), "--no-perceptual", "--iterations", "10")
+    words = ("refine", str(avatar), str(toy_capture), "-o", str(out), "--no-perceptual", "--iterations", "10")
     assert main(list(words)) == ExitCode.OK
-    assert load_gem(out).name == "ball"
+    assert load_gem(out).name == "toy"
 
 
 def test_a_capture_is_fitted_into_a_track(
-    ball_capture: Path, bare: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    toy_capture: Path, bare: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     track, errors = tmp_path / "test.track", tmp_path / "errors.png"
-    words = ("fit", str(bare[0]), str(ball_capture), "-o", str(track), "--cameras", "1,2,4", "--errors", str(errors))
+    words = ("fit", str(bare[0]), str(toy_capture), "-o", str(track), "--cameras", "1,2,4", "--errors", str(errors))
     assert main(list(words)) == ExitCode.OK
     assert "2 moments from 3 cameras" in capsys.readouterr().out
-    capture = open_capture(ball_capture)
+    capture = open_capture(toy_capture)
     played = load_track(track)
     assert played.pts.tolist() == [6, 7]
     for pose, timestep in zip(played.poses, (6, 7), strict=True):
@@ -109,20 +111,20 @@ def test_a_capture_is_fitted_into_a_track(
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (("refine", "{avatar}", "{ball}", "--iterations", "1"), ExitCode.USAGE, "--iterations 1: choose from 10"),
-        (("refine", "{avatar}", "{ball}", "--seed", "-1"), ExitCode.USAGE, "--seed -1"),
-        (("refine", "{avatar}", "{ball}", "-o", "x.ply"), ExitCode.USAGE, "is called .gem"),
+        (("refine", "{avatar}", "{toy}", "--iterations", "1"), ExitCode.USAGE, "--iterations 1: choose from 10"),
+        (("refine", "{avatar}", "{toy}", "--seed", "-1"), ExitCode.USAGE, "--seed -1"),
+        (("refine", "{avatar}", "{toy}", "-o", "x.ply"), ExitCode.USAGE, "is called .gem"),
         (("refine", "{avatar}", "nowhere"), ExitCode.INPUT, "nowhere: is no folder"),
-        (("refine", "{tiny}", "{ball}", "--start", "{moments}"), ExitCode.INPUT, "made for another avatar ('ball')"),
-        (("fit", "{avatar}", "{ball}", "-o", "x", "--split", "all"), ExitCode.USAGE, "choose from train, val, test"),
-        (("fit", "{avatar}", "{ball}", "-o", "x", "--cameras", "9"), ExitCode.USAGE, "choose from 0,1,2,3,4"),
-        (("fit", "{avatar}", "{ball}", "-o", "x", "--cameras", "a"), ExitCode.USAGE, "choose from 0,1,2,3,4"),
-        (("distill", "{ball}", "-o", "x.gem", "--maps", "4"), ExitCode.USAGE, "--maps 4: choose from 16"),
+        (("refine", "{tiny}", "{toy}", "--start", "{moments}"), ExitCode.INPUT, "made for another avatar ('toy')"),
+        (("fit", "{avatar}", "{toy}", "-o", "x", "--split", "all"), ExitCode.USAGE, "choose from train, val, test"),
+        (("fit", "{avatar}", "{toy}", "-o", "x", "--cameras", "9"), ExitCode.USAGE, "choose from 0,1,2,3,4"),
+        (("fit", "{avatar}", "{toy}", "-o", "x", "--cameras", "a"), ExitCode.USAGE, "choose from 0,1,2,3,4"),
+        (("distill", "{toy}", "-o", "x.gem", "--maps", "4"), ExitCode.USAGE, "--maps 4: choose from 16"),
         (("distill", "{tiny}", "-o", "x.gem", "--moments", "x"), ExitCode.USAGE, "is no capture"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(
-    ball_capture: Path,
+    toy_capture: Path,
     bare: tuple[Path, Path],
     tiny: Path,
     tmp_path: Path,
@@ -133,7 +135,7 @@ def test_what_cannot_be_done_is_one_line(
     said: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    places = {"avatar": bare[0], "ball": ball_capture, "tiny": tiny, "moments": bare[1]}
+    places = {"avatar": bare[0], "toy": toy_capture, "tiny": tiny, "moments": bare[1]}
     quick = ("--no-perceptual",) if words[0] == "refine" else ()
     assert main([*(word.format(**places) for word in words), *quick]) == code
     error = capsys.readouterr().err.strip().splitlines()[-1]

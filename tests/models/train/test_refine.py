@@ -20,15 +20,15 @@ from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from gemheads.models.train.refine import RefineEffort, refine  # noqa: E402
 from gemheads.render.software import SoftwareEngine  # noqa: E402
 
-Ball = tuple[Capture, Gem, dict[int, Start]]
+Toy = tuple[Capture, Gem, dict[int, Start]]
 
 
 @pytest.fixture(scope="module")
-def ball(ball_capture: Path) -> Ball:
+def toy(toy_capture: Path) -> Toy:
     """The capture, the avatar of its bare mesh, and its moments."""
-    capture = open_capture(ball_capture)
+    capture = open_capture(toy_capture)
     source = capture_source(capture, 24)
-    gem, _ = adopt(source, "Ball", 4)
+    gem, _ = adopt(source, "Toy", 4)
     moments = {}
     for timestep, frame in zip(source.moments, source.frames(), strict=True):
         tracked = capture.tracked(timestep)
@@ -47,8 +47,8 @@ def drawn(gem: Gem, coefficients: np.ndarray, capture: Capture, index: int) -> n
     return SoftwareEngine().draw(raw, shot.camera).copy()
 
 
-def test_orthonormal_bases_and_the_same_picture(ball: Ball) -> None:
-    capture, gem, moments = ball
+def test_orthonormal_bases_and_the_same_picture(toy: Toy) -> None:
+    capture, gem, moments = toy
     free = FreeGem(gem, stacked(moments))
     generator = torch.Generator().manual_seed(0)
     with torch.no_grad():
@@ -74,8 +74,8 @@ def test_orthonormal_bases_and_the_same_picture(ball: Ball) -> None:
         assert np.abs(wanted - got).max() < 1e-4
 
 
-def test_what_is_finished_is_like_what_is_distilled(ball: Ball) -> None:
-    _, gem, moments = ball
+def test_what_is_finished_is_like_what_is_distilled(toy: Toy) -> None:
+    _, gem, moments = toy
     begin = stacked(moments)
     free = FreeGem(gem, begin)
     with torch.no_grad():
@@ -93,8 +93,8 @@ def test_what_is_finished_is_like_what_is_distilled(ball: Ball) -> None:
         np.testing.assert_allclose(finished.compose(found[index]).positions, positions, atol=1e-5)
 
 
-def test_rest_and_arkit_map_go_along(ball: Ball) -> None:
-    _, gem, moments = ball
+def test_rest_and_arkit_map_go_along(toy: Toy) -> None:
+    _, gem, moments = toy
     assert gem.arkit_weights is not None
     free = FreeGem(gem, stacked(moments))
     with torch.no_grad():
@@ -112,8 +112,8 @@ def test_rest_and_arkit_map_go_along(ball: Ball) -> None:
     np.testing.assert_allclose(finished.compose(new).positions, wanted.positions, atol=1e-5)
 
 
-def test_held_out_views_improve_and_everything_is_kept_consistent(ball: Ball) -> None:
-    capture, gem, moments = ball
+def test_held_out_views_improve_and_everything_is_kept_consistent(toy: Toy) -> None:
+    capture, gem, moments = toy
     result = refine(gem, capture, moments, RefineEffort(iterations=120))
     assert result.improved
     assert result.after > result.before + 1
@@ -130,24 +130,24 @@ def test_held_out_views_improve_and_everything_is_kept_consistent(ball: Ball) ->
     assert np.mean(qualities) == pytest.approx(result.after, abs=0.05)
 
 
-def test_the_same_seed_gives_the_same_avatar(ball: Ball) -> None:
-    capture, gem, moments = ball
+def test_the_same_seed_gives_the_same_avatar(toy: Toy) -> None:
+    capture, gem, moments = toy
     one, two = (refine(gem, capture, moments, RefineEffort(iterations=12)) for _ in range(2))
     assert one.losses == two.losses
     np.testing.assert_array_equal(one.gem.bases["position"].rows, two.gem.bases["position"].rows)
 
 
-def test_what_is_fixed_stays(ball: Ball) -> None:
-    capture, gem, moments = ball
+def test_what_is_fixed_stays(toy: Toy) -> None:
+    capture, gem, moments = toy
     effort = RefineEffort(iterations=20, coefficients=False, colors=False)
     result = refine(gem, capture, moments, effort, Perceptual(TINY))
     assert result.improved
     np.testing.assert_array_equal(result.gem.colors, gem.colors)
 
 
-def test_the_better_one_is_kept(ball: Ball, monkeypatch: pytest.MonkeyPatch) -> None:
-    capture, gem, moments = ball
-    monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 0.05))
+def test_the_better_one_is_kept(toy: Toy, monkeypatch: pytest.MonkeyPatch) -> None:
+    capture, gem, moments = toy
+    monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 5.0))
     result = refine(gem, capture, moments, RefineEffort(iterations=10))
     assert not result.improved
     assert result.gem is gem
@@ -156,8 +156,8 @@ def test_the_better_one_is_kept(ball: Ball, monkeypatch: pytest.MonkeyPatch) -> 
     np.testing.assert_allclose(stacked(dict(result.moments)), stacked(moments), rtol=1e-6)
 
 
-def test_stopped_it_gives_what_it_has(ball: Ball) -> None:
-    capture, gem, moments = ball
+def test_stopped_it_gives_what_it_has(toy: Toy) -> None:
+    capture, gem, moments = toy
 
     def stop(stage: str, done: int, total: int) -> None:
         if done == 60:
@@ -168,8 +168,8 @@ def test_stopped_it_gives_what_it_has(ball: Ball) -> None:
     assert result.improved
 
 
-def test_without_a_held_out_camera_pictures_are_set_aside(ball: Ball) -> None:
-    capture, gem, moments = ball
+def test_without_a_held_out_camera_pictures_are_set_aside(toy: Toy) -> None:
+    capture, gem, moments = toy
     result = refine(gem, replace(capture, val=()), moments, RefineEffort(iterations=40))
     assert result.improved
 
@@ -182,7 +182,7 @@ def test_without_a_held_out_camera_pictures_are_set_aside(ball: Ball) -> None:
         (lambda k: {t: Start(v.coefficients[:3], v.pose) for t, v in k.items()}, r"coefficients, moment 0 \(3,\)"),
     ],
 )
-def test_moments_that_do_not_fit_are_refused(ball: Ball, spoil: Callable[[dict], dict], said: str) -> None:
-    capture, gem, moments = ball
+def test_moments_that_do_not_fit_are_refused(toy: Toy, spoil: Callable[[dict], dict], said: str) -> None:
+    capture, gem, moments = toy
     with pytest.raises(ValueError, match=said):
         refine(gem, capture, spoil(moments), RefineEffort(iterations=1))
