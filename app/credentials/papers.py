@@ -4,6 +4,7 @@ from pathlib import Path
 
 from ...models.wholefile import file_sha256
 from ..errors import CommandError, OutputError
+from ..sources import IMAGE_SUFFIXES
 from .reading import read_credentials
 from .signing import Signer
 from .statement import Driver, Statement
@@ -55,9 +56,10 @@ class Papers:
 def driver_of(driver: str | None, track: Path | None, named: bool = False) -> Driver:
     """What may be told of a driver; ``named``: its file's name too. The whole file is read for its hash."""
     file = Path(driver) if driver else track
-    kind = "track" if track else "video"
+    pictured = file is None or not file.is_file() or file.suffix.lower() in IMAGE_SUFFIXES
+    kind = "track" if track else "pictures" if pictured else "video"
     if file is None or not file.is_file():
-        return Driver("pictures", name=file.name if named and file else "")
+        return Driver(kind, name=file.name if named and file else "")
     try:
         return Driver(kind, file_sha256(file), file.name if named else "")
     except OSError:  # it was read a moment ago; without its hash the rest still holds

@@ -100,3 +100,5 @@ def test_a_driver_is_told_by_the_hash_of_its_bytes_and_by_name_only_when_asked(t
     assert driver_of(str(file), None, named=True) == Driver("video", sha256, "secret name.mp4")
     assert driver_of(None, file) == Driver("track", sha256)
     assert driver_of(str(tmp_path), None) == Driver("pictures")
+    picture = file.rename(tmp_path / "face.PNG")
+    assert driver_of(str(picture), None) == Driver("pictures", sha256)
