@@ -17,7 +17,8 @@ python=${PYTHON:-python3}
 # How much of everything; smaller is faster, and worse.
 cameras=${CAMERAS:-10} size=${SIZE:-256x256} split=${SPLIT:-48+16} noise=${NOISE:-1}
 preset=${PRESET:-tiny} steps=${STEPS:-2500} components=${COMPONENTS:-30} iterations=${ITERATIONS:-2000}
-pictures=${PICTURES:-1500} lessons=${LESSONS:-3000} perceptual=${PERCEPTUAL---perceptual} shots=${SHOTS:-24}
+pictures=${PICTURES:-1500} lessons=${LESSONS:-3000} perceptual=${PERCEPTUAL:---perceptual} shots=${SHOTS:-24}
+network=${NETWORK:-vgg}
 
 # 1. A person before many cameras, and a tracked mesh that is off by a millimetre, as real trackers are.
 capture() {
@@ -71,7 +72,7 @@ reenact() {
 table() {
     "$python" "$here/tests/bench/learning_table.py" "$capture" --mesh "$folder/mesh.gem" --run "$folder/run" \
         --distilled "$folder/distilled.gem" --refined "$folder/refined.gem" --moments "$folder/refined.track" \
-        --shots "$shots" --json "$folder/table.json" --picture "$folder/9_table.png"
+        --shots "$shots" --network "$network" --json "$folder/table.json" --picture "$folder/9_table.png"
 }
 
 stages=(capture mesh train distill refine fit regressor reenact table)

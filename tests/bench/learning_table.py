@@ -1,7 +1,7 @@
 """How good each way to an avatar is where nothing was learned from: a camera held out, and expressions held out.
 
     python tests/bench/learning_table.py CAPTURE --mesh mesh.gem --run RUN --distilled D.gem --refined R.gem
-        [--moments R.track] [--shots 24] [--json F] [--picture F.png] [--docs docs/learning.md]
+        [--moments R.track] [--shots 24] [--network vgg] [--json F] [--picture F.png] [--docs docs/learning.md]
 
 The mesh's avatar, the CNN and the distilled avatar are driven by the tracked mesh; so is the refined one on expressions
 held out, by way of the CNN, while on moments it was refined on it knows its coefficients. "fitted" is the refined
@@ -68,6 +68,7 @@ def main() -> int:
     parser.add_argument("--refined", type=Path, required=True)
     parser.add_argument("--moments", type=Path, help="the track of refine --moments")
     parser.add_argument("--shots", type=int, default=24, help="pictures that are judged, half of them of each split")
+    parser.add_argument("--network", choices=["vgg", "alex", "none"], default="vgg", help="LPIPS by which network")
     parser.add_argument("--json", type=Path)
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--docs", type=Path, help=f"a page in which what is between {' and '.join(MARKS)} is replaced")
@@ -75,7 +76,7 @@ def main() -> int:
     capture = open_capture(options.capture)
     shots = judged_shots(capture, options.shots)
     methods = _methods(capture, shots, options)
-    figures, rows = judge(capture, shots, methods)
+    figures, rows = judge(capture, shots, methods, _network(options.network))
     text = table(figures, capture, shots)
     print(text)
     if options.json:
@@ -97,10 +98,10 @@ def judged_shots(capture: Capture, count: int) -> dict[str, list[Shot]]:
 
 
 def judge(
-    capture: Capture, shots: Mapping[str, list[Shot]], methods: list[Method]
+    capture: Capture, shots: Mapping[str, list[Shot]], methods: list[Method], network: Perceptual | None
 ) -> tuple[dict[str, dict[str, dict[str, float]]], list[NDArray[np.uint8]]]:
     """Split -> method -> metric -> mean; and for the middle picture of each split, and the last, a row of pictures."""
-    network, stage, rows = _network(), Stage(capture), []
+    stage, rows = Stage(capture), []
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for split, taken in shots.items():
         values: dict[str, list[list[float]]] = {method.name: [] for method in methods}
@@ -192,9 +193,11 @@ def _fitted(gem: Gem, capture: Capture, judged: list[Shot], split: str) -> dict[
     return {m.timestep: (m.fit.coefficients, (m.fit.pose.turn, m.fit.pose.move)) for m in found}
 
 
-def _network() -> Perceptual | None:
+def _network(name: str) -> Perceptual | None:
+    if name == "none":
+        return None
     try:
-        return Perceptual("vgg")
+        return Perceptual(name)
     except WeightsMissing as error:
         print(f"without LPIPS: {error}")
         return None

@@ -24,8 +24,11 @@ def person() -> Gem:
     return load_gem(MARA, components=8)
 
 
-def write_capture(folder: Path, gem: Gem, train: int = 20, test: int = 6) -> tuple[Capture, dict[int, np.ndarray]]:
-    """A capture of so many moments, and the coefficients of each; the first moment is the neutral."""
+def write_capture(
+    folder: Path, gem: Gem, train: int = 20, test: int = 6, held_out: tuple[int, ...] = ()
+) -> tuple[Capture, dict[int, np.ndarray]]:
+    """A capture of so many moments, and the coefficients of each; the first moment is the neutral. ``held_out``: which
+    of the cameras."""
     rng = np.random.default_rng(0)
     writer = CaptureWriter(folder)
     writer.begin(_template())
@@ -47,7 +50,8 @@ def write_capture(folder: Path, gem: Gem, train: int = 20, test: int = 6) -> tup
             image = engine.draw(raw, camera)
             alpha = np.round(255 * np.clip(image[..., 3], 0, 1)).astype(np.uint8)
             writer.write_picture(shot, over(image, (1, 1, 1)), alpha)
-            shots["train" if timestep < train else "test"].append(shot)
+            split = "test" if timestep >= train else "val" if index in held_out else "train"
+            shots[split].append(shot)
     viewing = {"target": list(gem.viewing.target), "head_height": gem.viewing.head_height}
     writer.finish(shots, {"subject": "Mara", "viewing": viewing, "background": [1, 1, 1]})
     return open_capture(folder), coefficients
