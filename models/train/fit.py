@@ -184,7 +184,7 @@ class _Problem:
         coefficients, pose = start.coefficients, start.pose
         if coefficients.shape != (self.count,):
             raise ValueError(f"'{self.gem.name}' has {self.count} coefficients, the start {coefficients.shape}")
-        turn, move = torch.from_numpy(pose.turn).float(), torch.from_numpy(pose.move).float()
+        turn, move = (torch.tensor(values, dtype=torch.float32) for values in (pose.turn, pose.move))
         shift = move + torch.linalg.cross(turn, self._arm)
         expression = (torch.from_numpy(coefficients).float() - self._rest) / self.sigma
         return torch.cat([expression, turn / TURN_STEP, shift / MOVE_STEP])
