@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..registry import PIP, Package, RegistryError, fetch
-from ..registry import RegistryError as IngredientError  # noqa: F401
-from ..registry import default_cache as default_cache
 
 PACKAGES = (
     Package(
