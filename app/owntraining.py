@@ -9,7 +9,7 @@ from ..models.captures.layout import CaptureError
 from ..models.gemfile import load_gem, read_info, save_gem
 from ..models.wholefile import write_whole
 from .casting import open_avatar
-from .errors import ExitCode, InputError, NoFaceError, OutputError
+from .errors import ExitCode, InputError, NoFaceError, OutputError, UsageError
 from .opencapture import opened
 from .pictures import write_png
 from .progress import ProgressBar
@@ -18,6 +18,9 @@ from .trainingmoments import training_moments
 if TYPE_CHECKING:
     from ..models.train.capture_regressor import CaptureRegressor
     from ..models.train.selfreenact import SelfReenactment
+
+LEAST_PICTURES = 40
+"""With fewer, nothing is known of how the avatar answers."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         from ..models.train.train_regressor import pictures_of
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
+    _check(wish)
     cast, footage = open_avatar(avatar), opened(capture)
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
     judged: SelfReenactment | None = None
@@ -77,6 +81,15 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         write_png(judged.strip, wish.strip)
     print(_told(out, learned, judged))
     return ExitCode.OK
+
+
+def _check(wish: OwnWish) -> None:
+    if wish.pictures and wish.pictures < LEAST_PICTURES:
+        raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more, or 0 for the frames alone")
+    if wish.steps < 1:
+        raise UsageError(f"--steps {wish.steps}: choose 1 or more")
+    if wish.seed < 0:
+        raise UsageError(f"--seed {wish.seed}: choose 0 or more")
 
 
 def _document(learned: "CaptureRegressor", judged: "SelfReenactment | None") -> dict[str, object]:

@@ -1,0 +1,52 @@
+"""``gemheads train-regressor`` with a capture: what it refuses, before anything is learned."""
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+
+import toycapture
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return toycapture.write_capture(tmp_path_factory.mktemp("captures") / "toy", moments=4)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--pictures", "3"), "--pictures 3: choose 40 or more, or 0"),
+        (("--pictures", "-1"), "--pictures -1: choose 40 or more"),
+        (("--steps", "0"), "--steps 0: choose 1 or more"),
+        (("--seed", "-1"), "--seed -1: choose 0 or more"),
+    ],
+)
+def test_numbers_that_cannot_be(
+    capture: Path, words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["train-regressor", "mara", str(capture), *words]) == ExitCode.USAGE
+    assert said in capsys.readouterr().err
+
+
+def test_two_captures_are_two_people(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train-regressor", "mara", str(capture), str(capture)]) == ExitCode.USAGE
+    assert "second capture" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--labels", "--report", "--strip"])
+def test_what_needs_a_capture_says_so(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train-regressor", "mara", option, str(tmp_path / "x")]) == ExitCode.USAGE
+    assert "need a capture" in capsys.readouterr().err
+
+
+def test_another_avatars_labels_and_missing_ones(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["train-regressor", "mara", str(capture), "-o", str(tmp_path / "out.gem"), "--pictures", "0"]
+    assert main([*words, "--labels", str(tmp_path / "none.track")]) == ExitCode.INPUT
+    assert "none.track" in capsys.readouterr().err
+    assert not (tmp_path / "out.gem").exists()
