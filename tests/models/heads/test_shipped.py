@@ -81,12 +81,14 @@ def test_expressions_are_read_by_the_tracker(name: str) -> None:
     for weights, channel, least in (
         ({"jawOpen": 0.8}, "jawOpen", 0.4),
         ({"mouthSmile": 1.0}, "mouthSmileRight", 0.4),
+        ({"mouthPucker": 0.6}, "mouthPucker", 0.25),
         ({"mouthPucker": 1.0}, "mouthPucker", 0.5),
         ({"eyeBlink": 1.0}, "eyeBlinkLeft", 0.4),
         ({"eyeBlink": 1.0}, "eyeBlinkRight", 0.4),
         ({"browInnerUp": 1.0}, "browInnerUp", 0.5),
         ({"browDown": 1.0}, "browDownLeft", 0.35),
         ({"eyeLookOutLeft": 1.0, "eyeLookInRight": 1.0}, "eyeLookOutLeft", 0.4),
+        ({"eyeLookUp": 1.0}, "eyeLookUpRight", 0.12),
     ):
         assert score(seen(photo(gem, **weights)), channel) - score(rest, channel) > least, channel
 
