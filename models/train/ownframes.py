@@ -81,6 +81,6 @@ class Pictured:
         rows = (torch.from_numpy(array[index][None]) for array in (self._sightings.features, self._sightings.rotations))
         raw = self._avatar.compose(network(*rows)[0])
         pose = self._moments[shot.timestep].pose
-        turn, move = (torch.from_numpy(np.asarray(x, np.float32)) for x in (pose.turn, pose.move))
+        turn, move = (torch.tensor(x, dtype=torch.float32) for x in (pose.turn, pose.move))
         posed = self._avatar.posed(raw, turn, move)
         return photometric(rasterize(activate(posed), view.camera, view.background), view.picture)
