@@ -77,7 +77,7 @@ def _mark(height: int, width: int) -> tuple[NDArray[np.float32], NDArray[np.floa
     inked = ink.astype(np.float32)[..., None] / 255
     colour = np.array(PLATE, np.float32) * (1 - inked) + np.array(INK, np.float32) * inked
     opacity = np.maximum(plate.astype(np.float32) / 255 * np.float32(PLATE_OPACITY), inked[..., 0])
-    return colour, opacity
+    return np.asarray(colour, np.float32), np.asarray(opacity, np.float32)
 
 
 def _word(height: int) -> Image:
@@ -98,7 +98,7 @@ def _letter(letter: str, height: int) -> Image:
     cv2.putText(canvas, letter, place, cv2.FONT_HERSHEY_SIMPLEX, scale, 255, stroke, cv2.LINE_AA)
     rows, columns = (np.flatnonzero(canvas.any(axis)) for axis in (1, 0))
     cut = canvas[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    return cv2.resize(cut, (cut.shape[1], height), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.resize(cut, (cut.shape[1], height), interpolation=cv2.INTER_AREA), np.uint8)
 
 
 @lru_cache(maxsize=1)

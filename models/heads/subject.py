@@ -164,7 +164,9 @@ def _cards(person: Person, ingredients: Ingredients) -> dict[str, NDArray[Any]]:
 
 def _grown(image: NDArray[np.uint8], on: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Pixels that nothing covers take the colour of the nearest that something does, so that seams do not darken."""
-    _, label = cv2.distanceTransformWithLabels((~on).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    off = (~on).astype(np.uint8)
+    _, label = cv2.distanceTransformWithLabels(off, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    label = np.asarray(label, np.int64)
     colors = np.zeros((label.max() + 1, 3), np.uint8)
     colors[label[on]] = image[on]
     return colors[label]

@@ -53,6 +53,13 @@ class CnnAvatar(nn.Module):
     and ``torchgem.pose_head`` turns the head afterwards.
     """
 
+    index: Tensor
+    rest: Tensor
+    wxyz: Tensor
+    log_scales: Tensor
+    opacity_logits: Tensor
+    surroundings: Tensor
+
     def __init__(self, texels: Texels, architecture: Architecture) -> None:
         super().__init__()
         count = sum(CHANNELS.values())
