@@ -174,7 +174,7 @@ def run_live(desk: "Desk", session: "Session") -> None:
         if drawn is None and not session.due(started):
             continue
         if drawn is not None:
-            session.draw(started)  # the next one, while this one is shown
+            session.draw(started, beside=True)  # the next one, while this one is shown
             session.offer(drawn, started)  # before any panel is drawn, and never with one
             if not desk.clean(drawn.picture if session.state.clean_window else None):
                 session.obey(Order("clean_window", 0.0))

@@ -108,6 +108,11 @@ class OnStage:
         """Whether the next picture can be begun."""
         return self._drawing.free
 
+    @property
+    def bound(self) -> bool:
+        """Whether pictures can only be drawn in the window's thread."""
+        return self._painter is None or self._painter.engine.bound
+
     def call(self, path: Path | None) -> None:
         """Have an avatar opened; None asks for nothing."""
         if path is not None:

@@ -84,12 +84,12 @@ class Session:
         ):
             self.obey(Order("neutral"))
 
-    def draw(self, now: float) -> None:
+    def draw(self, now: float, beside: bool = False) -> None:
         """Begin a picture of the newest shot, unless one is being drawn or the last one still holds.
 
-        Another avatar comes on stage with its first shot.
+        Another avatar comes on stage with its first shot. ``beside``: only where that takes none of this thread's time.
         """
-        if not self.stage.free:
+        if not self.stage.free or (beside and self.stage.bound):
             return
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:

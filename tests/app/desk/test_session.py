@@ -16,6 +16,7 @@ from gemheads.app.desk.remote import Remote
 from gemheads.app.desk.session import Session
 from gemheads.app.live import run_live
 from gemheads.app.senders.outlet import Shown
+from gemheads.render.software import SoftwareEngine
 
 from .conftest import Room
 from .test_remote import packet
@@ -214,6 +215,7 @@ def test_a_recording_and_a_picture_are_written_and_a_failed_output_switches_itse
 
     room.session.outputs._folder = refuse
     room.session.obey(Order("record"))
+    room.capture.post(1.0)  # the state is as it was by the time a picture is drawn: only a shot is news
     until(room.session, lambda: not room.session.state.record)
     assert any(line.failed for line in room.session.view(0.0).outputs)
 
@@ -314,7 +316,7 @@ def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
                     other.sendto(packet(f"/gemheads/{address}", value), ("127.0.0.1", remote.port))
             wait(lambda: session.state.smoothing == 0.25 and session.state.background == "green")
             desk.press("W")
-            wait(lambda: desk.clean_picture is not None)
+            wait(lambda: desk.clean_picture is not None and desk.shown > 5)
         except BaseException as error:
             failures.append(error)
         ended.append(time.perf_counter())
@@ -335,4 +337,15 @@ def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
     assert time.perf_counter() - ended[0] < 1.0
     hands.join()
     assert not failures, failures
-    assert desk.shown > 5
+
+
+@pytest.mark.parametrize("bound", [False, True])
+def test_the_next_picture_is_drawn_while_one_is_shown_only_beside_the_window(
+    room: Room, bound: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin(room)
+    monkeypatch.setattr(SoftwareEngine, "bound", bound)
+    room.capture.post(1.0)
+    room.session.draw(time.perf_counter(), beside=True)
+    assert room.session.stage.free is bound
+    assert bool(room.capture.waiting) is bound, "a shot that is not drawn yet may still be replaced by a newer one"
