@@ -23,7 +23,7 @@ app = App(
 for command in (
     *(live.live, driven.reenact, driven.demo, driven.track),
     *(avatars.info, avatars.modes, avatars.export, avatars.distill, avatars.fit, avatars.train_regressor),
-    *(learning.capture, learning.train, learning.refine),
+    *(learning.capture, learning.train, learning.refine, learning.evaluate),
     *(machine.bench, machine.doctor, trust.verify),
 ):
     app.command(command)

@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..models.captures.heldout import spread
 from ..models.captures.layout import SPLITS, CaptureError, Shot, transforms_name
 from ..models.captures.reader import Capture, open_capture
 from .errors import InputError, UsageError
-
-VIEWS = 4
-"""So many cameras, spread over all, are looked at where none are named."""
 
 
 def is_capture(path: Path) -> bool:
@@ -37,7 +35,7 @@ def chosen(capture: Capture, split: str, cameras: str | None) -> list[Shot]:
     if not shots:
         raise UsageError(f"--split {split}: {capture.folder} has no such pictures; choose another")
     there = sorted({shot.camera_index for shot in shots})
-    wanted = _spread(there) if cameras is None else _named(cameras, there)
+    wanted = spread(there) if cameras is None else _named(cameras, there)
     return [shot for shot in shots if shot.camera_index in wanted]
 
 
@@ -47,9 +45,3 @@ def _named(cameras: str, there: Sequence[int]) -> set[int]:
     if not words or len(numbers) < len(set(words)) or not numbers <= set(there):
         raise UsageError(f"--cameras {cameras}: choose from {','.join(map(str, there))}")
     return numbers
-
-
-def _spread(there: Sequence[int]) -> set[int]:
-    if len(there) <= VIEWS:
-        return set(there)
-    return {there[round((index + 0.5) * len(there) / VIEWS - 0.5)] for index in range(VIEWS)}

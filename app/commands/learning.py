@@ -1,4 +1,4 @@
-"""Commands from a person's pictures to an avatar: capture, train and refine."""
+"""Commands from a person's pictures to an avatar: capture, train, refine, and evaluate."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -110,3 +110,33 @@ def refine(
     path = find_avatar(avatar)
     wish = RefineWish(iterations, coefficients, colors, start, moments, sheet, perceptual, seed)
     return run_refining(path, capture, out or path, wish)
+
+
+def evaluate(
+    avatar: str,
+    capture: Path,
+    /,
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"])],
+    against: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
+    shots: int = 24,
+    everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
+    lpips: Literal["vgg", "alex", "none"] = "vgg",
+) -> int:
+    """Judge avatars on pictures that nothing was learned from (extra: pip install 'gemheads[train]').
+
+    A held-out camera (val) and held-out expressions (test), beside the paper's figures; the same again goes on.
+
+    Args:
+        avatar: Name of an avatar, a .gem file, or a run of train.
+        capture: The folder of a capture.
+        out: The report's folder: report.html, report.json, and what is not judged again.
+        against: More of them, as further columns on the same pictures.
+        shots: How many pictures of either kind, evenly over moments and cameras.
+        everything: Every picture instead.
+        lpips: By which network LPIPS is measured; alex is 20 times faster, the paper has vgg.
+    """
+    from ..evaluating import EvaluateWish, run_evaluating
+
+    wish = EvaluateWish(tuple(against or ()), None if everything else shots, lpips)
+    return run_evaluating(avatar, capture, out, wish)

@@ -22,6 +22,7 @@ COMMANDS = (
     "track",
     "fit",
     "train-regressor",
+    "evaluate",
     "capture",
     "verify",
 )

@@ -25,25 +25,20 @@ from gemheads.models.captures.layout import Shot
 from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.captures.texels import texels_of
-from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
-from gemheads.models.metrics.flip import flip_map
-from gemheads.models.metrics.pixels import l1, psnr
-from gemheads.models.metrics.structure import ssim
+from gemheads.models.metrics.tables import DIGITS, METRICS
+from gemheads.models.train.contestants import GemContestant, neck_of
 from gemheads.models.train.deck import spaced
 from gemheads.models.train.fit import error_map
-from gemheads.models.train.fitcapture import fit_moments
+from gemheads.models.train.judge import Judge
 from gemheads.models.train.perceptual import Perceptual, WeightsMissing
-from gemheads.models.train.runs import Run, open_run
+from gemheads.models.train.runs import open_run
 from gemheads.render.gaussians import RawGaussians
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
 Pose = tuple[Floats, Floats]
-VIEWS = 4
-"""Cameras a fit looks through."""
 SPLITS = {"val": "held-out view", "test": "held-out expression"}
-METRICS = ("PSNR", "SSIM", "LPIPS", "L1", "FLIP")
 MARKS = "<!-- table -->", "<!-- end of table -->"
 
 
@@ -76,7 +71,7 @@ def main() -> int:
     capture = open_capture(options.capture)
     shots = judged_shots(capture, options.shots)
     methods = _methods(capture, shots, options)
-    figures, rows = judge(capture, shots, methods, _network(options.network))
+    figures, rows = measure(capture, shots, methods, Judge(_network(options.network)))
     text = table(figures, capture, shots)
     print(text)
     if options.json:
@@ -97,14 +92,14 @@ def judged_shots(capture: Capture, count: int) -> dict[str, list[Shot]]:
     return {"val": spaced(capture.val, count // 2), "test": spaced(test, count - count // 2)}
 
 
-def judge(
-    capture: Capture, shots: Mapping[str, list[Shot]], methods: list[Method], network: Perceptual | None
+def measure(
+    capture: Capture, shots: Mapping[str, list[Shot]], methods: list[Method], judge: Judge
 ) -> tuple[dict[str, dict[str, dict[str, float]]], list[NDArray[np.uint8]]]:
     """Split -> method -> metric -> mean; and for the middle picture of each split, and the last, a row of pictures."""
     stage, rows = Stage(capture), []
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for split, taken in shots.items():
-        values: dict[str, list[list[float]]] = {method.name: [] for method in methods}
+        values: dict[str, list[dict[str, float | None]]] = {method.name: [] for method in methods}
         shown = {taken[len(taken) // 2].picture, taken[-1].picture} if taken else set()
         for shot in taken:
             truth = stage.truth(shot)
@@ -112,23 +107,23 @@ def judge(
             for method in methods:
                 raw, pose = method.answer(shot, split)
                 image = stage.draw(raw, method.neck_weights, method.neck_pivot, shot, pose)
-                values[method.name].append(_measured(image, truth, network))
+                values[method.name].append(judge.measured(image, truth))
                 cells.append(np.concatenate([_bytes(image), error_map(image, truth)]))
             if shot.picture in shown:
                 rows.append(np.concatenate(cells, 1))
         figures[split] = {
-            name: dict(zip(METRICS, np.mean(measured, 0).tolist(), strict=True)) for name, measured in values.items()
+            name: {metric: float(np.mean([_number(of[metric]) for of in measured])) for metric in METRICS}
+            for name, measured in values.items()
         }
     return figures, rows
 
 
 def table(figures: Mapping[str, Mapping[str, Mapping[str, float]]], capture: Capture, shots: Mapping[str, list]) -> str:
     """Markdown: one row a method, its metrics on each split."""
-    digits = {"PSNR": 2, "SSIM": 4, "LPIPS": 4, "L1": 4, "FLIP": 4}
     heads = [f"{metric}, {SPLITS[split]}" for split in figures for metric in METRICS]
     lines = ["| | " + " | ".join(heads) + " |", "|---|" + "---|" * len(heads)]
     for name in next(iter(figures.values())):
-        cells = [f"{figures[split][name][m]:.{digits[m]}f}".replace("nan", "-") for split in figures for m in METRICS]
+        cells = [f"{figures[split][name][m]:.{DIGITS[m]}f}".replace("nan", "-") for split in figures for m in METRICS]
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
     size = f"{capture.train[0].camera.width}x{capture.train[0].camera.height}"
     counted = ", ".join(f"{len(taken)} pictures of a {SPLITS[split]}" for split, taken in shots.items())
@@ -162,35 +157,19 @@ def _methods(capture: Capture, shots: Mapping[str, list[Shot]], options: argpars
             return refined.compose(pose.coefficients), (pose.turn, pose.translation)
         return refined.compose(refined.project(by_cnn(shot, split)[0])), None
 
-    fitted = {split: _fitted(refined, capture, taken, split) for split, taken in shots.items()}
+    fitter = GemContestant(refined, capture)
 
     def by_fit(shot: Shot, split: str) -> tuple[RawGaussians, Pose]:
-        coefficients, pose = fitted[split][shot.timestep]
-        return refined.compose(coefficients), pose
+        act = fitter.act(shot, split)
+        return refined.compose(act.coefficients), (act.turn, act.move)
 
     return [
         Method("bare mesh GEM", by_mesh, mesh.neck_weights, mesh.neck_pivot),
-        Method("CNN", by_cnn, *_neck(run)),
+        Method("CNN", by_cnn, *neck_of(run)),
         Method("GEM distilled", by_distilled, distilled.neck_weights, distilled.neck_pivot),
         Method("GEM refined", by_refined, refined.neck_weights, refined.neck_pivot),
         Method("GEM fitted", by_fit, refined.neck_weights, refined.neck_pivot),
     ]
-
-
-def _neck(run: Run) -> tuple[Floats, Floats]:
-    template = run.capture.template
-    return run.texels.spread(template.neck_weights).astype(np.float32), template.neck_pivot
-
-
-def _fitted(gem: Gem, capture: Capture, judged: list[Shot], split: str) -> dict[int, tuple[Floats, Pose]]:
-    """Timestep -> coefficients and pose, from other cameras than the judged ones."""
-    moments, own = {shot.timestep for shot in judged}, {shot.camera_index for shot in judged}
-    others = capture.train if split == "val" else capture.test
-    shots = [shot for shot in others if shot.timestep in moments and shot.camera_index not in own]
-    cameras = sorted({shot.camera_index for shot in shots})
-    chosen = {cameras[i] for i in np.linspace(0, len(cameras) - 1, min(VIEWS, len(cameras))).round().astype(int)}
-    found = fit_moments(gem, capture, [shot for shot in shots if shot.camera_index in chosen])
-    return {m.timestep: (m.fit.coefficients, (m.fit.pose.turn, m.fit.pose.move)) for m in found}
 
 
 def _network(name: str) -> Perceptual | None:
@@ -203,15 +182,8 @@ def _network(name: str) -> Perceptual | None:
         return None
 
 
-def _measured(image: Floats, truth: Floats, network: Perceptual | None) -> list[float]:
-    flip = flip_map(image, truth)
-    far = float("nan")
-    if network is not None:
-        with torch.no_grad():
-            pair = [torch.from_numpy(np.ascontiguousarray(x)).permute(2, 0, 1)[None] for x in (image, truth)]
-            far = float(network.lpips(*pair))
-    seen = float("nan") if flip is None else float(flip.mean())
-    return [psnr(image, truth), ssim(image, truth), far, l1(image, truth), seen]
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value
 
 
 def _bytes(image: Floats) -> NDArray[np.uint8]:

@@ -1,0 +1,89 @@
+"""Who is judged by ``gemheads evaluate``: avatars and runs, each opened when its turn comes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..models.captures.reader import Capture
+from ..models.wholefile import file_sha256
+from .casting import open_avatar
+from .errors import InputError, UsageError
+from .evaluation.summary import Column
+from .library import find_avatar
+from .opencapture import is_run
+
+if TYPE_CHECKING:
+    from ..models.train.contestants import Contestant
+    from ..models.train.runs import Run
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """One column of the tables; only its figures stay in memory."""
+
+    path: Path
+    column: Column
+
+    def opened(self, capture: Capture) -> "Contestant":
+        """Ready to act. Raises InputError."""
+        from ..models.train.contestants import GemContestant, RunContestant
+
+        if is_run(self.path):
+            return RunContestant(_opened_run(self.path, capture))
+        return GemContestant(open_avatar(self.path).gem, capture)
+
+
+def entrants(avatar: str, against: Sequence[str], capture: Capture) -> list[Entrant]:
+    """All that are judged, each opened once, so that what cannot be used is told before anything begins.
+
+    Args:
+        avatar: a name, a .gem file or a run: the first column.
+        against: the same, for the others.
+        capture: what they are judged on.
+
+    Raises InputError, and UsageError for one that is given twice.
+    """
+    found: list[Entrant] = []
+    for word in (avatar, *against):
+        path = Path(word) if is_run(Path(word)) else find_avatar(word)
+        taken = {entrant.column.name for entrant in found}
+        entrant = Entrant(path, _column(path, taken, capture))
+        if any(other.column.sha256 == entrant.column.sha256 for other in found):
+            raise UsageError(f"--against {word}: is given twice; each avatar is one column")
+        found.append(entrant)
+    return found
+
+
+def _column(path: Path, taken: set[str], capture: Capture) -> Column:
+    from ..models.train.contestants import GemContestant, RunContestant
+    from ..models.train.runs import CHECKPOINT
+
+    name = _name(path, taken)
+    if is_run(path):
+        run = _opened_run(path, capture)
+        file = path / CHECKPOINT
+        source = f"a run of {run.step} of {run.plan.steps} steps"
+        splats, size = len(run.texels), file.stat().st_size / 1e6
+        return Column(name, "CNN", RunContestant.driven_by, file_sha256(file), splats, None, size, source)
+    cast = open_avatar(path)
+    gem, size = cast.gem, path.stat().st_size / 1e6
+    source = gem.about.get("source", "") or "not stated"
+    return Column(name, "GEM", GemContestant.driven_by, cast.sha256, len(gem), gem.components, size, source)
+
+
+def _name(path: Path, taken: set[str]) -> str:
+    """The file's, with its folder's where two are called the same."""
+    path = path.resolve()
+    short = path.stem if path.suffix == ".gem" else path.name
+    names = (short, f"{path.parent.name}/{short}", *(f"{short} ({number})" for number in range(2, len(taken) + 3)))
+    return next(name for name in names if name not in taken)
+
+
+def _opened_run(path: Path, capture: Capture) -> "Run":
+    from ..models.train.runs import RunError, open_run
+
+    try:
+        return open_run(path, capture.folder)
+    except RunError as error:
+        raise InputError(str(error)) from error

@@ -1,0 +1,165 @@
+"""report.html: one file with tables, curves and pictures, that asks nothing of any network and runs nothing."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from ...models.metrics.tables import DIGITS, LARGER_IS_BETTER
+from .curves import color_of, curve_svg
+from .pictures import Gallery
+from .style import STYLE
+
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+
+
+def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery]) -> str:
+    """The whole file.
+
+    Args:
+        report: what report.json holds.
+        galleries: split -> its pictures.
+    """
+    capture = report["capture"]
+    title = f"{', '.join(column['name'] for column in report['avatars'])} on {capture['name']}"
+    body = [f"<h1>{escape(title)}</h1>", _lead(report)]
+    body.append("".join(f"<p class='note'>{escape(note)}</p>" for note in report["notes"]))
+    body.append(_avatars(report["avatars"], report["tables"]))
+    for split, table in report["tables"].items():
+        body.append(_split(table, galleries[split]))
+    body.append(_made(report))
+    head = f'<meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+    return (
+        f'<!doctype html><html lang="en"><head>{head}<meta name="viewport" content="width=device-width">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body>{''.join(body)}</body></html>\n"
+    )
+
+
+def _lead(report: Mapping[str, Any]) -> str:
+    capture = report["capture"]
+    counted = " and ".join(f"{len(t['pictures'])} of {t['title'].lower()}" for t in report["tables"].values())
+    text = (
+        f"{capture['subject']}, {capture['size']}. Judged in {counted}, the same pictures for all, the capture's"
+        " background included. GEMs are fitted to pictures of the same moment from other cameras, never to the judged"
+        " one; CNNs are driven by the tracked mesh. The paper's figures are of another data set."
+    )
+    return f"<p>{escape(text)}</p>"
+
+
+def _avatars(avatars: Sequence[Mapping[str, Any]], tables: Mapping[str, Any]) -> str:
+    rows = []
+    for index, avatar in enumerate(avatars):
+        times = [table["seconds_to_find"][avatar["name"]] for table in tables.values()]
+        known = [time for time in times if time is not None]
+        cells = [
+            f"<i style='background:{color_of(index)}'></i>{escape(avatar['name'])}",
+            avatar["kind"],
+            f"{avatar['splats']:,}",
+            "-" if avatar["components"] is None else str(avatar["components"]),
+            f"{avatar['megabytes']:.2f}",
+            escape(avatar["driven_by"]),
+            f"{max(known):.2f}" if known else "-",
+            escape(avatar["source"]),
+        ]
+        rows.append(_row(cells))
+    heads = ("", "kind", "splats", "components", "file, MB", "driven by", "s a moment", "made of")
+    return f"<h2>Avatars</h2>{_table(heads, rows)}"
+
+
+def _split(table: Mapping[str, Any], gallery: Gallery) -> str:
+    names = list(table["means"])
+    parts = [f"<h2>{escape(table['title'])}</h2><p>{escape(table['about'])}</p>", _means(table, names)]
+    labels = [f"moment {p['timestep']}, camera {p['camera']}" for p in table["pictures"]]
+    curves = [
+        curve_svg(metric, {n: [p["values"][n][metric] for p in table["pictures"]] for n in names}, labels, digits)
+        for metric, digits in DIGITS.items()
+    ]
+    parts.append(f"<h3>Over the pictures</h3><div class='curves'>{''.join(curves)}</div>")
+    if len(table["cameras"]) > 1:
+        parts.append(_cameras(table, names))
+    parts.append(_compared(table, gallery, names))
+    strips = "".join(
+        f"<tr><th>{escape(row) or 'taken'}</th><td><img alt='{escape(row) or 'taken'}' src='{url}'></td></tr>"
+        for row, url in gallery.strips.items()
+    )
+    parts.append(f"<h3>Film strip</h3><table class='strip'>{strips}</table>")
+    parts.append(f"<details><summary>Every picture</summary>{_pictures(table, names)}</details>")
+    return "".join(parts)
+
+
+def _means(table: Mapping[str, Any], names: Sequence[str]) -> str:
+    rows = []
+    for metric in DIGITS:
+        best = _best(metric, [table["means"][name][metric] for name in names])
+        cells = [f"{metric} {'&uarr;' if metric in LARGER_IS_BETTER else '&darr;'}"]
+        for name in names:
+            text = _number(metric, table["means"][name][metric])
+            cells.append(f"<b>{text}</b>" if text == best and len(names) > 1 else text)
+        cells += [f"<em>{_number(metric, told.get(metric))}</em>" for told in table["published"].values()]
+        rows.append(_row(cells))
+    heads = ["", *names, *(f"paper: {name} *" for name in table["published"])]
+    return f"{_table(heads, rows)}<p class='small'>* {escape(table['published_of'])}</p>"
+
+
+def _cameras(table: Mapping[str, Any], names: Sequence[str]) -> str:
+    heads = ["camera", *(f"{metric}, {name}" for metric in DIGITS for name in names)]
+    rows = [
+        _row([camera, *(_number(metric, of[name][metric]) for metric in DIGITS for name in names)])
+        for camera, of in table["cameras"].items()
+    ]
+    return f"<h3>By camera</h3>{_table(heads, rows)}"
+
+
+def _pictures(table: Mapping[str, Any], names: Sequence[str]) -> str:
+    heads = ["picture", *(f"{metric}, {name}" for metric in DIGITS for name in names)]
+    rows = [
+        _row([escape(p["picture"]), *(_number(m, p["values"][name][m]) for m in DIGITS for name in names)])
+        for p in table["pictures"]
+    ]
+    return _table(heads, rows)
+
+
+def _compared(table: Mapping[str, Any], gallery: Gallery, names: Sequence[str]) -> str:
+    """Taken, drawn, error: a row for each avatar."""
+    parts = ["<h3>Where they differ</h3><p class='small'>taken | drawn | difference: black is none,"]
+    parts.append(" <span class='heat'></span> white is 0.1 of full scale or more. Worst, median and best by PSNR of")
+    parts.append(f" {escape(names[0])}. What is drawn is synthetic.</p>")
+    for word, place in gallery.choice.compared.items():
+        picture = table["pictures"][place]
+        parts.append(f"<h4>{word}: moment {picture['timestep']}, camera {picture['camera']}</h4><div class='compared'>")
+        for name in names:
+            psnr = _number("PSNR", picture["values"][name]["PSNR"])
+            images = (gallery.drawn["", place], gallery.drawn[name, place], gallery.errors[name, place])
+            shown = "".join(
+                f"<img alt='{what}' src='{url}'>"
+                for what, url in zip(("taken", "drawn", "difference"), images, strict=True)
+            )
+            parts.append(f"<figure>{shown}<figcaption>{escape(name)}, {psnr} dB</figcaption></figure>")
+        parts.append("</div>")
+    return "".join(parts)
+
+
+def _made(report: Mapping[str, Any]) -> str:
+    machine = ", ".join(f"{name} {value}" for name, value in report["machine"].items())
+    versions = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
+    return f"<footer><p>{escape(report['made'])}. {escape(machine)}. {escape(versions)}.</p></footer>"
+
+
+def _number(metric: str, value: float | None) -> str:
+    return "-" if value is None else f"{value:.{DIGITS[metric]}f}"
+
+
+def _best(metric: str, values: Sequence[float | None]) -> str:
+    known = [value for value in values if value is not None]
+    if not known:
+        return ""
+    return _number(metric, max(known) if metric in LARGER_IS_BETTER else min(known))
+
+
+def _table(heads: Sequence[str], rows: Sequence[str]) -> str:
+    head = "".join(f"<th>{escape(word)}</th>" for word in heads)
+    return f"<div class='wide'><table><tr>{head}</tr>{''.join(rows)}</table></div>"
+
+
+def _row(cells: Sequence[str]) -> str:
+    """Cells are HTML already."""
+    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"

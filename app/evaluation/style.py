@@ -1,0 +1,25 @@
+"""How the report looks."""
+
+STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; color: #1b1b1b; background: #fff; max-width: 1180px; margin: 2em auto;
+  padding: 0 1.2em }
+h1 { font-size: 1.6em; overflow-wrap: anywhere } h2 { margin-top: 2em; border-bottom: 1px solid #ccc }
+h3 { margin-bottom: .3em } h4 { margin: 1em 0 .3em }
+p { max-width: 75ch } .note { background: #fff4d6; padding: .4em .8em } .small, footer { color: #555; font-size: .87em }
+.wide { overflow-x: auto } table { border-collapse: collapse; font-variant-numeric: tabular-nums }
+th, td { padding: .25em .8em; text-align: right; border-bottom: 1px solid #e4e4e4; vertical-align: top }
+th { font-weight: 600; max-width: 16em; overflow-wrap: break-word }
+td { max-width: 26em } th:first-child, td:first-child { text-align: left }
+td em { color: #777 } td i { display: inline-block; width: .8em; height: .8em; margin-right: .5em; border-radius: 50% }
+.curves { display: grid; grid-template-columns: repeat(auto-fill, minmax(380px, 1fr)); gap: .6em }
+svg { width: 100%; height: auto } svg text { font-size: 12px; fill: #444 } svg .name { font-weight: 600 }
+svg .tick { text-anchor: end } svg .grid { stroke: #e4e4e4 }
+figure { margin: 0 } figure img { width: calc(100% / 3); vertical-align: top }
+figcaption { font-size: .87em; color: #555 }
+.compared { display: grid; grid-template-columns: repeat(auto-fill, minmax(500px, 1fr)); gap: .8em }
+.heat { display: inline-block; width: 7em; height: .8em; vertical-align: middle;
+  background: linear-gradient(90deg, #000, #f00 33%, #ff0 67%, #fff); border: 1px solid #999 }
+.strip td { padding: 2px } .strip img { display: block; max-width: 100% } .strip th { vertical-align: middle }
+summary { cursor: pointer; margin: 1em 0 }
+@media (max-width: 560px) { .curves, .compared { grid-template-columns: 1fr } }
+""".strip()
