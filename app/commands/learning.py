@@ -118,7 +118,7 @@ def evaluate(
     /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
-    against: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
+    against: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     shots: int = 24,
     everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
     lpips: Literal["vgg", "alex", "none"] = "vgg",
