@@ -49,13 +49,14 @@ class Worker:
     def offer(self, shown: Shown) -> None:
         """Leave a picture; the oldest that waits makes room for it."""
         with self._changed:
-            # A picture that has to be the one of this moment must not be replaced by a later one.
-            if not self.open or (self._once and self._waiting):
+            if not self.open:
                 return
             if len(self._waiting) == self._depth:
                 self._waiting.popleft()
                 self.drops += 1
             self._waiting.append(shown)
+            # the picture of this moment, and no other one while it is being saved
+            self._ending = self._once
             self._changed.notify()
 
     def end(self) -> None:
@@ -86,8 +87,6 @@ class Worker:
         try:
             while (shown := self._next()) is not None:
                 outlet.send(shown)
-                if self._once:
-                    self._ending = True
         except Exception as error:
             failure = _told(self.name, error)
         try:

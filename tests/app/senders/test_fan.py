@@ -154,6 +154,19 @@ def test_a_picture_is_the_one_of_its_moment_and_ends_the_output() -> None:
     assert fan.reports()[0].text == "kept 1"
 
 
+def test_only_one_picture_is_saved_however_long_that_takes() -> None:
+    gate, fan = threading.Event(), Fan()
+    keeper = Keeper(gate)
+    fan.start("picture", lambda: keeper, once=True)
+    for value in range(5):
+        fan.offer(picture(value), 0.0)
+        time.sleep(0.02)
+    assert not fan.running("picture")
+    gate.set()
+    assert fan.close(SOON)
+    assert values(keeper) == [0]
+
+
 def test_stopping_finishes_in_the_background() -> None:
     gate = threading.Event()
     keeper, fan = Keeper(gate), Fan()
