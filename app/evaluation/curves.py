@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from math import ceil, floor, log10
 
 WIDTH, HEIGHT = 560, 190
 _LEFT, _RIGHT, _TOP, _BOTTOM = 54, 12, 26, 28
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#444444")
 """Okabe and Ito: told apart by everybody."""
 TICKS = 4
+"""About so many numbers at the side."""
 
 
 def color_of(index: int) -> str:
@@ -36,8 +38,7 @@ def curve_svg(title: str, series: Mapping[str, Sequence[float | None]], labels: 
 
     parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title)} over the pictures">']
     parts.append(f'<text x="{_LEFT}" y="16" class="name">{escape(title)}</text>')
-    for tick in range(TICKS):
-        value = low + (high - low) * (tick + 0.5) / TICKS
+    for value in _round_numbers(low, high):
         y = down(value)
         parts.append(f'<line x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}" class="grid"/>')
         parts.append(f'<text x="{_LEFT - 6}" y="{y + 4:.1f}" class="tick">{value:.{digits}f}</text>')
@@ -54,3 +55,11 @@ def curve_svg(title: str, series: Mapping[str, Sequence[float | None]], labels: 
         where = f'x="{across(index):.1f}" y="{HEIGHT - 9}" text-anchor="{anchor}"'
         parts.append(f'<text {where} class="label">{escape(labels[index])}</text>')
     return "".join([*parts, "</svg>"])
+
+
+def _round_numbers(low: float, high: float) -> list[float]:
+    """Multiples of 1, 2 or 5 times a power of ten between the two, about TICKS of them."""
+    wanted = (high - low) / TICKS
+    power = 10 ** floor(log10(wanted))
+    step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= wanted)
+    return [number * step for number in range(ceil(low / step), floor(high / step) + 1)]

@@ -36,9 +36,11 @@ def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery]) -> str:
 
 def _lead(report: Mapping[str, Any]) -> str:
     capture = report["capture"]
-    counted = " and ".join(f"{len(t['pictures'])} of {t['title'].lower()}" for t in report["tables"].values())
+    counted = " and ".join(
+        f"{len(table['pictures'])} picture(s) of a {table['title'].lower()}" for table in report["tables"].values()
+    )
     text = (
-        f"{capture['subject']}, {capture['size']}. Judged in {counted}, the same pictures for all, the capture's"
+        f"{capture['subject']}, {capture['size']}. Judged on {counted}, the same pictures for all, the capture's"
         " background included. GEMs are fitted to pictures of the same moment from other cameras, never to the judged"
         " one; CNNs are driven by the tracked mesh. The paper's figures are of another data set."
     )
@@ -61,8 +63,8 @@ def _avatars(avatars: Sequence[Mapping[str, Any]], tables: Mapping[str, Any]) ->
             escape(avatar["source"]),
         ]
         rows.append(_row(cells))
-    heads = ("", "kind", "splats", "components", "file, MB", "driven by", "s a moment", "made of")
-    return f"<h2>Avatars</h2>{_table(heads, rows)}"
+    heads = ("", "kind", "splats", "components", "file, MB", "driven by", "s a fit", "made of")
+    return f"<h2>Avatars</h2><div class='avatars'>{_table(heads, rows)}</div>"
 
 
 def _split(table: Mapping[str, Any], gallery: Gallery) -> str:

@@ -9,7 +9,8 @@ p { max-width: 75ch } .note { background: #fff4d6; padding: .4em .8em } .small, 
 .wide { overflow-x: auto } table { border-collapse: collapse; font-variant-numeric: tabular-nums }
 th, td { padding: .25em .8em; text-align: right; border-bottom: 1px solid #e4e4e4; vertical-align: top }
 th { font-weight: 600; max-width: 16em; overflow-wrap: break-word }
-td { max-width: 26em } th:first-child, td:first-child { text-align: left }
+td { max-width: 26em } td:first-child { white-space: nowrap }
+th:first-child, td:first-child, .avatars :is(th, td):is(:nth-child(6), :nth-child(8)) { text-align: left }
 td em { color: #777 } td i { display: inline-block; width: .8em; height: .8em; margin-right: .5em; border-radius: 50% }
 .curves { display: grid; grid-template-columns: repeat(auto-fill, minmax(380px, 1fr)); gap: .6em }
 svg { width: 100%; height: auto } svg text { font-size: 12px; fill: #444 } svg .name { font-weight: 600 }

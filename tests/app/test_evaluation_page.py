@@ -54,6 +54,8 @@ def test_a_curve_puts_larger_values_higher_and_leaves_gaps() -> None:
     assert [dot[0].text for dot in dots[:2]] == ["a<b, x: 20.0", "a<b, z: 30.0"]
     low, high, middle = (float(dot.attrib["cy"]) for dot in dots[:3])
     assert high < middle < low
+    assert ">20.0<" in svg
+    assert ">25.0<" in svg
     assert curve_svg("LPIPS", {"a": [None]}, ["x"], 4) == ""
     assert "nan" not in curve_svg("L1", {"a": [0.0]}, ["x"], 4)
 
