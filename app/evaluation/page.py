@@ -36,13 +36,12 @@ def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery]) -> str:
 
 def _lead(report: Mapping[str, Any]) -> str:
     capture = report["capture"]
-    counted = " and ".join(
-        f"{len(table['pictures'])} picture(s) of a {table['title'].lower()}" for table in report["tables"].values()
-    )
+    counts = {table["title"].lower(): len(table["pictures"]) for table in report["tables"].values()}
+    counted = " and ".join(f"{count} picture{'s' * (count > 1)} of a {title}" for title, count in counts.items())
     text = (
         f"{capture['subject']}, {capture['size']}. Judged on {counted}, the same pictures for all, the capture's"
-        " background included. GEMs are fitted to pictures of the same moment from other cameras, never to the judged"
-        " one; CNNs are driven by the tracked mesh. The paper's figures are of another data set."
+        " background included. GEMs are fitted to pictures of the same moment from other cameras than the"
+        " judged one's; CNNs are driven by the tracked mesh. The paper's figures are of another data set."
     )
     return f"<p>{escape(text)}</p>"
 

@@ -212,7 +212,7 @@ def test_a_capture_without_one_split_has_one_table(
         (("{toy}", "{capture}", "-o", "r.html"), ExitCode.USAGE, "the report is a folder, such as -o r"),
         (("{toy}", "{capture}", "--against", "{toy}"), ExitCode.USAGE, "is given twice"),
         (("nobody", "{capture}"), ExitCode.INPUT, "nobody: neither an avatar's name"),
-        (("{toy}", "{capture}", "--against", "{capture}"), ExitCode.INPUT, "toy"),
+        (("{toy}", "{capture}", "--against", "{capture}"), ExitCode.INPUT, "it is no ordinary file"),
         (("{toy}", "nowhere"), ExitCode.INPUT, "nowhere: is no folder"),
         (("{toy}", "{unjudged}"), ExitCode.INPUT, "neither a held-out camera (transforms_val.json) nor"),
         (("{toy}", "{capture}", "-o", "{toy}"), ExitCode.OUTPUT, "cannot be written"),
