@@ -37,6 +37,9 @@ COEFFICIENT_RATE = 0.01
 """Of a coefficient's sigma."""
 LAST_RATE = 0.05
 """Steps fall to this share by the end, along a cosine."""
+SLOWER = 0.4
+"""Where it has become worse, it goes on from the best so far with steps so much smaller: an avatar of a bare mesh can
+take large ones, one that a network has learned cannot."""
 JUDGED = 24
 """Pictures that tell whether it has become better."""
 GROUNDS = 0.25
@@ -144,12 +147,13 @@ class _Run:
         self.free = FreeGem(gem, begin, device)
         self._neck_weights = torch.tensor(gem.neck_weights, device=device)
         self._pivot = torch.tensor(gem.neck_pivot, dtype=torch.float32, device=device)
+        self._pace = 1.0
         self._optimizer = self._adam()
 
     def refined(self, progress: Progress) -> Refinement:
         effort, interval = self._effort, min(self._effort.interval, max(1, self._effort.iterations // 10))
         before = self.quality()
-        best, kept, done = before, None, 0
+        best, kept, done = before, self.free.state(), 0
         curve, losses, stopped = [(0, before)], [], False
 
         def judge() -> None:
@@ -158,6 +162,10 @@ class _Run:
             curve.append((done, self.quality()))
             if curve[-1][1] > best:
                 best, kept = curve[-1][1], self.free.state()
+                return
+            self.free.restore(kept)
+            self._pace *= SLOWER
+            self._optimizer = self._adam()
 
         try:
             for step in range(effort.iterations):
@@ -171,7 +179,7 @@ class _Run:
             if curve[-1][0] < done:
                 judge()
         answer, found = self._gem, self.free.began
-        if kept is not None:
+        if best > before:
             self.free.restore(kept)
             answer, found = self.free.finished()
         moments = {
@@ -193,7 +201,7 @@ class _Run:
         effort, lot = self._effort, self._deck.lot(step, "ground")
         share = step / effort.iterations
         for group in self._optimizer.param_groups:
-            group["lr"] = group["rate"] * (LAST_RATE + (1 - LAST_RATE) * 0.5 * (1 + np.cos(np.pi * share)))
+            group["lr"] = self._pace * group["rate"] * (LAST_RATE + (1 - LAST_RATE) * 0.5 * (1 + np.cos(np.pi * share)))
         (shot,) = self._deck.dealt(step)
         ground = lot.uniform(size=3).tolist() if lot.uniform() < GROUNDS else self._capture.background
         view = self._view(shot, ground)

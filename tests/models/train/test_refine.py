@@ -148,12 +148,21 @@ def test_what_is_fixed_stays(toy: Toy) -> None:
 def test_the_better_one_is_kept(toy: Toy, monkeypatch: pytest.MonkeyPatch) -> None:
     capture, gem, moments = toy
     monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 5.0))
+    monkeypatch.setattr("gemheads.models.train.refine.SLOWER", 1.0)
     result = refine(gem, capture, moments, RefineEffort(iterations=10))
     assert not result.improved
     assert result.gem is gem
     assert result.after == result.before
     assert min(quality for _, quality in result.curve) < result.before
     np.testing.assert_allclose(stacked(dict(result.moments)), stacked(moments), rtol=1e-6)
+
+
+def test_steps_that_made_it_worse_become_smaller(toy: Toy, monkeypatch: pytest.MonkeyPatch) -> None:
+    capture, gem, moments = toy
+    monkeypatch.setattr("gemheads.models.train.refine.RATES", dict.fromkeys(MODALITIES, 5.0))
+    result = refine(gem, capture, moments, RefineEffort(iterations=30))
+    assert result.curve[1][1] < result.before
+    assert result.improved
 
 
 def test_stopped_it_gives_what_it_has(toy: Toy) -> None:
