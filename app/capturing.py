@@ -6,7 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..models.captures.writer import CaptureWriter
-from ..models.studio.shoot import Plan, shoot
+from ..models.studio.blender import BlenderError
+from ..models.studio.shoot import Plan, require_renderer, shoot
 from ..models.studio.subject import SubjectError, load_subject
 from ..models.wholefile import write_whole
 from .errors import ExitCode, InputError, OutputError, UsageError
@@ -23,13 +24,16 @@ def run_capturing(out: Path, name: str, plan: Plan) -> ExitCode:
     """Draw a capture, or what is lacking of it. Raises CommandError."""
     _check(plan)
     try:
+        require_renderer(plan.renderer)
         subject = load_subject(name)
-    except SubjectError as error:
+    except (BlenderError, SubjectError) as error:
         raise InputError(str(error)) from error
     try:
         _claim(out, {"subject": name, **json.loads(json.dumps(asdict(plan)))})
         with ProgressBar() as bar:
             done = shoot(subject, plan, CaptureWriter(out), bar.reach)
+    except BlenderError as error:
+        raise InputError(str(error)) from error
     except OSError as error:
         raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
     kept = f", {done.pictures - done.drawn} were there" if done.drawn < done.pictures else ""
@@ -70,8 +74,9 @@ def _claim(out: Path, order: dict[str, object]) -> None:
             before = json.loads(note.read_text())
         except ValueError as error:
             raise InputError(f"{note}: is broken ({error}); remove {out} and capture anew") from error
-        if before != order:
-            known = before if isinstance(before, dict) else {}
+        # captures from before there was a choice say nothing of it
+        known = {"renderer": "studio", **before} if isinstance(before, dict) else {}
+        if known != order:
             other = [key for key in order if known.get(key) != order[key]]
             raise UsageError(
                 f"{out}: holds a capture with another {', '.join(other)}; name another folder, or remove it"

@@ -19,6 +19,7 @@ def capture(
     held_out: int | None = None,
     background: str = "white",
     tracking_noise: float = 0.0,
+    renderer: Literal["studio", "cycles"] = "studio",
     seed: int = 0,
 ) -> int:
     """Film a synthetic person with many cameras, for train, refine and fit; the same again goes on.
@@ -32,6 +33,7 @@ def capture(
         held_out: Which camera is kept for judging, from 0. Default: the most frontal.
         background: #rrggbb or a name; the masks say where the person is.
         tracking_noise: Millimetres by which the tracked mesh is off, smoothly, as real trackers are.
+        renderer: studio, or cycles: Blender's path tracer (pip install bpy), slower and closer to a photograph.
         seed: The same seed gives the same performance.
     """
     from ...models.studio.shoot import Plan
@@ -44,7 +46,7 @@ def capture(
     colour = read_colour(background)
     if colour is None:
         raise UsageError("--background transparent: a picture has a ground; the masks say where the person is")
-    plan = Plan(cameras, width, height, moments, held, held_out, colour, tracking_noise / 1000, seed)
+    plan = Plan(cameras, width, height, moments, held, held_out, colour, tracking_noise / 1000, seed, renderer)
     return run_capturing(out, subject, plan)
 
 

@@ -2,20 +2,36 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.camera import Camera
 from ..captures.layout import Shot
 from ..captures.writer import CaptureWriter
 from .acting import perform
+from .blender import require_blender
+from .cycles import CyclesPainter
 from .drawing import Painter
-from .moment import Act, Stage
+from .moment import Act, Moment, Stage
 from .rig import frontal, rig
 from .subject import Subject
 from .tracking import TrackingNoise
 
 Progress = Callable[[str, int, int], None]
+Renderer = Literal["studio", "cycles"]
+"""Who draws: ``drawing.Painter``, or Blender's path tracer where it is installed."""
+
+
+class Draws(Protocol):
+    """What both renderers do."""
+
+    stage: Stage
+
+    def draw(self, moment: Moment, camera: Camera) -> NDArray[np.float32]:
+        """sRGB-encoded premultiplied RGBA [H, W, 4] in 0..1."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -36,6 +52,7 @@ class Plan:
     tracking_noise_m: float = 0.0
     """Root mean square of the tracked vertices' error, metres."""
     seed: int = 0
+    renderer: Renderer = "studio"
 
 
 @dataclass(frozen=True)
@@ -50,13 +67,13 @@ class Shooting:
 def shoot(subject: Subject, plan: Plan, writer: CaptureWriter, progress: Progress) -> Shooting:
     """Draw every picture of a plan that is not there yet, then write the lists that make the folder a capture.
 
-    Raises OSError where the folder cannot be written.
+    Raises OSError where the folder cannot be written, BlenderError where the renderer is not there.
     """
     writer.begin(subject.template)
     cameras = rig(plan.cameras, plan.width, plan.height, subject.viewing)
     held_out = frontal(cameras) if plan.held_out is None else plan.held_out
     acts = [*perform("train", plan.train, plan.seed), *perform("test", plan.test, plan.seed)]
-    painter = Painter(Stage(subject))
+    painter = _painter(plan.renderer, Stage(subject))
     noise = TrackingNoise(plan.tracking_noise_m, plan.seed) if plan.tracking_noise_m > 0 else None
     shots: dict[str, list[Shot]] = {"train": [], "val": [], "test": []}
     total, done, drawn = len(acts) * len(cameras), 0, 0
@@ -84,6 +101,16 @@ def shoot(subject: Subject, plan: Plan, writer: CaptureWriter, progress: Progres
     }
     writer.finish(shots, about)
     return Shooting(drawn, total)
+
+
+def require_renderer(renderer: Renderer) -> None:
+    """Raises BlenderError where the renderer is not installed."""
+    if renderer == "cycles":
+        require_blender()
+
+
+def _painter(renderer: Renderer, stage: Stage) -> Draws:
+    return CyclesPainter(stage) if renderer == "cycles" else Painter(stage)
 
 
 def _write_mesh(stage: Stage, writer: CaptureWriter, timestep: int, act: Act, noise: TrackingNoise | None) -> None:
