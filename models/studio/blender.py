@@ -30,19 +30,27 @@ def blender() -> Any:
     require_blender()
     try:
         # its sound module, which is not needed here, complains about NumPy 2 in many lines
-        with quiet(), warnings.catch_warnings():
+        with interruptible(), quiet(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            module = importlib.import_module("bpy")
+            return importlib.import_module("bpy")
     except ImportError as error:
         raise BlenderError(f"--renderer cycles: bpy does not start ({error}); {CURE}") from error
-    take_interrupts()
-    return module
 
 
-def take_interrupts() -> None:
-    """Ctrl-C is Python's again: Blender takes it when it starts and when it draws."""
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, signal.getsignal(signal.SIGINT) or signal.default_int_handler)
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Ctrl-C inside raises KeyboardInterrupt at the end: raised within Blender's own Python it would be swallowed."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before or signal.default_int_handler)
+    if heard:
+        raise KeyboardInterrupt
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.camera import Camera
-from .blender import blender, quiet, take_interrupts
+from .blender import blender, interruptible, quiet
 from .moment import Moment, Stage
 from .shading import EXPOSURE, SHOULDER, SOFT
 from .surfaces import sky, surfaces
@@ -98,9 +98,8 @@ class CyclesPainter:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "picture.exr"
             self._scene.render.filepath = str(path)
-            with quiet():
+            with interruptible(), quiet():
                 ended = self._bpy.ops.render.render(write_still=True, scene=self._scene.name)
-            take_interrupts()
             if "FINISHED" not in ended or not path.exists():
                 raise KeyboardInterrupt  # nothing else ends a picture before it is done
             image = self._bpy.data.images.load(str(path))

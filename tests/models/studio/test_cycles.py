@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from gemheads.app.capturing import ORDER
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.models.heads.expressions import weights_of
-from gemheads.models.studio.blender import BlenderError, blender, quiet
+from gemheads.models.studio.blender import BlenderError, blender, interruptible, quiet
 from gemheads.models.studio.cycles import CyclesPainter
 from gemheads.models.studio.drawing import Painter
 from gemheads.models.studio.lamps import LAMPS, ROOM
@@ -66,6 +67,15 @@ def test_quiet_gives_the_streams_back(capfd: pytest.CaptureFixture[str]) -> None
         os.write(2, b"inside")
     os.write(1, b"after")
     assert capfd.readouterr() == ("after", "")
+
+
+def test_an_interrupt_comes_at_the_end() -> None:
+    before, reached = signal.getsignal(signal.SIGINT), []
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        signal.raise_signal(signal.SIGINT)
+        reached.append(True)
+    assert reached, "not inside, where Blender would swallow it"
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_the_sky_brings_the_light_of_the_lamps() -> None:
