@@ -71,9 +71,14 @@ def test_quiet_gives_the_streams_back(capfd: pytest.CaptureFixture[str]) -> None
 
 def test_an_interrupt_comes_at_the_end() -> None:
     before, reached = signal.getsignal(signal.SIGINT), []
-    with pytest.raises(KeyboardInterrupt), interruptible():
-        signal.raise_signal(signal.SIGINT)
-        reached.append(True)
+
+    def interrupted() -> None:
+        with interruptible():
+            signal.raise_signal(signal.SIGINT)
+            reached.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert reached, "not inside, where Blender would swallow it"
     assert signal.getsignal(signal.SIGINT) is before
 
