@@ -60,7 +60,7 @@ class Plan:
 
 
 PRESETS = {
-    "tiny": Plan(128, 16, 4, steps=3500, perceptual_every=8, perceptual_side=96),
+    "tiny": Plan(128, 16, 4, steps=2500, perceptual_every=8, perceptual_side=96),
     "small": Plan(128, 32, 4, steps=20_000, perceptual_every=4, perceptual_side=128, preview_every=1000),
     "full": Plan(256, 64, 5, steps=100_000, views=4, colors_first=1000, checkpoint_every=500, preview_every=2500),
 }
