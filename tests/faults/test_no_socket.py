@@ -24,7 +24,9 @@ ELSEWHERE = {
     "track": "tests/app/test_offline.py",
     "verify": "tests/app/test_offline.py",
     "doctor": "with --live it tries its own ports on this machine",
-    **dict.fromkeys(("demo", "bench", "fit", "capture", "train", "refine"), "what these others do, in other orders"),
+    **dict.fromkeys(
+        ("demo", "bench", "fit", "capture", "train", "refine", "evaluate"), "what these others do, in other orders"
+    ),
 }
 """Commands that are not looked at here, and why."""
 
