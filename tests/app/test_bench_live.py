@@ -148,7 +148,7 @@ def test_the_whole_live_loop_is_measured_without_a_display(
     report = run_live_bench(seconds=1.5, avatar="mara", engine="software", size=(192, 192), warm_up=1.0)
     assert report.unread == 0
     assert report.pictures_per_second > 0.5
-    assert 0 < report.latency.median < 60_000  # it is there, however busy the machine
+    assert 0 < report.latency.median < 3000
     assert {"track", "express", "compose", "draw"} <= set(report.stages)
     assert report.window == "no display: offscreen"
     assert "latency, delivered to seen" in capsys.readouterr().out
