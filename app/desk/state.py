@@ -12,6 +12,8 @@ LEAST_COMPONENTS = 1
 ZOOMS = (0.5, 4.0)
 UI_SCALES = (0.75, 2.5)
 EXPOSURES = (-2.0, 2.0)
+BEYOND = 1e9
+"""No dial goes as far. Whole numbers from outside can have hundreds of digits, and then are no float."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +141,7 @@ RANGES: dict[str, tuple[float, float]] = {
 def update(state: DeskState, order: Order) -> DeskState:
     """The state after an order. What the order's value makes no sense of leaves the state as it was."""
     name, value = order.name, order.value
-    if name not in BY_NAME or (isinstance(value, float | int) and not abs(value) < float("inf")):
+    if name not in BY_NAME or (isinstance(value, float | int) and not abs(value) < BEYOND):
         return state
     if name in SWITCHES:
         return replace(state, **{name: _switched(getattr(state, name), value)})

@@ -128,7 +128,7 @@ def _name(value: object) -> str:
 def _number(value: object) -> float:
     try:
         number = float(value)  # pyright: ignore[reportArgumentType]
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PacketError(f"not a number: {str(value)[:20]!r}") from error
     if not abs(number) <= _BEYOND:  # NaN too
         raise PacketError(f"no weight or angle: {number}")

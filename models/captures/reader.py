@@ -163,7 +163,7 @@ def _check_pictures(shot: Shot) -> None:
 def _background(path: Path, about: Mapping[str, Any]) -> tuple[float, float, float]:
     try:
         red, green, blue = (float(value) for value in about.get("background", WHITE))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         red = green = blue = -1.0
     if not all(0 <= value <= 1 for value in (red, green, blue)):
         raise CaptureError(path, f"has background {about['background']!r}", "give three numbers in 0..1")
@@ -176,7 +176,7 @@ def _check_about(path: Path, about: Mapping[str, Any]) -> None:
         return
     try:
         numbers = np.array([*viewing["target"], viewing["head_height"]], np.float64)
-    except (TypeError, KeyError, ValueError):
+    except (TypeError, KeyError, ValueError, OverflowError):
         numbers = np.zeros(0)
     if numbers.shape != (4,) or not np.isfinite(numbers).all() or numbers[3] <= 0:
         raise CaptureError(path, "has a viewing that is none", "give target [3] and head_height in metres, or neither")

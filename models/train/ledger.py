@@ -105,7 +105,7 @@ def _read(path: Path, sha256: str) -> dict[str, Record]:
         if told["version"] != VERSION or told["avatar"] != sha256:
             return {}
         return {str(key): _record(record) for key, record in told["judged"].items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, OverflowError):
         return {}
 
 

@@ -1,4 +1,4 @@
-"""Mutated files by the hundred thousand: ``python tests/bench/fuzz.py [--inputs 100000] [--format gem,ply] [--seed 0]``
+"""Mutated files by the hundred thousand: ``python tests/bench/fuzz.py [--inputs 100000] [--format gem,ply] [--seed 7]``
 
 The nightly command. Exits with 1 when a reader crashed, hung, took too much memory or raised what it must not. The
 number in the table, with the same format and seed, reads that input again: ``--first NUMBER --inputs 1``.
@@ -6,6 +6,7 @@ number in the table, with the same format and seed, reads that input again: ``--
 
 import argparse
 import sys
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -21,11 +22,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Read mutated files.")
     parser.add_argument("--inputs", type=int, default=100_000, help="how many of each format")
     parser.add_argument("--format", default=",".join(FORMATS), help="which formats, with commas between them")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=time.time_ns() % 2**32, help="another one each time unless told")
     parser.add_argument("--first", type=int, default=0, help="the number of the first input")
     options = parser.parse_args()
     table = Table("format", "inputs", "a second", "wrong", "the first of them", box=None)
     failed = False
+    print(f"seed {options.seed}", file=sys.stderr, flush=True)
     for name in options.format.split(","):
         found = fuzz(name, options.inputs, options.seed, options.first)
         failed |= bool(found.wrong)

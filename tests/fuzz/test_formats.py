@@ -1,7 +1,6 @@
 """A few mutations of every format each time, and that the machinery would notice."""
 
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -11,12 +10,14 @@ from .formats import FORMATS, Format
 from .runner import fuzz
 
 SECONDS = 2.0
-"""For each format; the nightly command reads 100,000 of each."""
+"""For each format; the nightly command reads 100,000 of each, others every night."""
+SEED = 11
+"""Always the same here: a change is judged by what it changed, and luck is for the night."""
 
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_what_is_mutated_opens_or_is_refused(name: str) -> None:
-    found = fuzz(name, 100_000, seed=time.time_ns() % 2**32, limit=SECONDS)
+    found = fuzz(name, 100_000, seed=SEED, limit=SECONDS)
     assert not found.wrong, f"of {found.inputs} inputs: {found.wrong}"
 
 

@@ -120,5 +120,6 @@ def test_what_is_unknown_changes_nothing() -> None:
     state = DeskState()
     assert update(state, Order("format the disk")) == state
     assert update(state, Order("zoom", float("nan"))) == state
+    assert update(state, Order("zoom", 10**400)) == state
     assert update(state, Order("zoom", "large")) == state
     assert update(replace(state, zoom=2.0), Order("components", None)).zoom == 2.0

@@ -207,6 +207,8 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     ),
     "other units": (_top(units="cm"), "is in 'cm'"),
     "odd background": (_top(background=[1, 2, "x"]), "background"),
+    "endless background": (_top(background=[1, 2, 10**400]), "background"),
+    "endless viewing": (_top(viewing={"target": [0, 0, 10**400], "head_height": 1}), "viewing that is none"),
     "odd viewing": (_top(viewing={"target": [0, 0]}), "viewing that is none"),
     "no frames": (_top(frames=[]), "lists no pictures"),
     "frames of another kind": (_top(frames={}), "no list 'frames'"),
