@@ -1,4 +1,4 @@
-"""``gemheads train``: a capture becomes a run, the CNN avatar that `distill` makes a .gem of."""
+"""``gemheads train``: a capture becomes a run, the avatar that `distill` makes a .gem of."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -12,7 +12,7 @@ from .progress import ProgressBar
 
 if TYPE_CHECKING:
     from ..models.train.perceptual import Perceptual
-    from ..models.train.plan import Plan
+    from ..models.train.plan import Model, Plan
     from ..models.train.train_avatar import Outcome
 
 LEAST_STEPS, MOST_STEPS = 1, 10_000_000
@@ -27,6 +27,7 @@ class TrainWish:
     """None takes the preset's."""
     perceptual: bool = True
     seed: int = 0
+    model: "Model" = "cnn"
 
 
 def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
@@ -58,7 +59,7 @@ def _planned(wish: TrainWish) -> "Plan":
         raise UsageError(f"--steps {wish.steps}: choose from {LEAST_STEPS} to {MOST_STEPS}")
     if wish.seed < 0:
         raise UsageError(f"--seed {wish.seed}: choose 0 or more")
-    return PRESETS[wish.preset].changed(wish.steps, wish.perceptual, wish.seed)
+    return PRESETS[wish.preset].changed(wish.steps, wish.perceptual, wish.seed, wish.model)
 
 
 def _perceptual(plan: "Plan") -> "Perceptual | None":

@@ -23,13 +23,13 @@ class Act:
     """What an avatar does at one moment."""
 
     coefficients: Floats | None
-    """[coefficients]; None where the tracked mesh drives."""
+    """[coefficients]; None for a run."""
     turn: Floats | None
     """[3] axis times angle of the head, radians; None: as it was tracked."""
     move: Floats | None
     """[3] metres."""
     cameras: tuple[int, ...]
-    """In whose pictures it was found; empty where the tracked mesh drives."""
+    """In whose pictures it was found; empty for a run, which what was tracked drives."""
     seconds: float
     """That it took to find."""
 
@@ -86,12 +86,11 @@ class GemContestant:
 
 
 class RunContestant:
-    """A CNN avatar, driven by the tracked mesh as in the paper."""
-
-    driven_by = "the tracked mesh"
+    """A run of ``train_avatar``, driven by what the capture tracked: the mesh, as in the paper, or ARKit weights."""
 
     def __init__(self, run: Run) -> None:
         self._run = run
+        self.driven_by = run.avatar.driven_by
         self._neck = neck_of(run)
 
     def act(self, shot: Shot, split: str) -> Act:
@@ -100,7 +99,7 @@ class RunContestant:
         return Act(None, None, None, (), 0.0)
 
     def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
-        """The network's splats for the mesh of the moment. Raises CaptureError."""
+        """The model's splats for what was tracked at the moment. Raises CaptureError."""
         del act
         tracked = self._run.capture.tracked(shot.timestep)
         return stage.draw(self._run.splats(tracked), *self._neck, shot)

@@ -31,10 +31,12 @@ class Moment:
     """[3] the head's pose: axis times angle ..."""
     translation: Tensor
     """[3] ... and metres."""
+    weights: Tensor | None = None
+    """[52] ARKit weights, where the capture knows them."""
 
     def bytes(self) -> int:
         """Memory it takes."""
-        return sum(tensor.nbytes for tensor in vars(self).values())
+        return sum(tensor.nbytes for tensor in vars(self).values() if tensor is not None)
 
 
 def moment_of(texels: Texels, tracked: Tracked, device: torch.device | str = "cpu") -> Moment:
@@ -48,6 +50,7 @@ def moment_of(texels: Texels, tracked: Tracked, device: torch.device | str = "cp
     return Moment(
         maps.view(1, 3, texels.size, texels.size).to(device),
         *(torch.from_numpy(np.array(array, np.float32)).to(device) for array in arrays),
+        weights=None if tracked.arkit is None else torch.from_numpy(np.array(tracked.arkit, np.float32)).to(device),
     )
 
 

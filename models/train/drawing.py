@@ -1,4 +1,4 @@
-"""Pictures of a CNN avatar as the cameras of its capture see it."""
+"""Pictures of a learned avatar as the cameras of its capture see it."""
 
 from collections.abc import Sequence
 
@@ -11,9 +11,10 @@ from ...render.diff.tensors import GaussianTensors, RawTensors, activate
 from ..captures.layout import Shot
 from ..captures.reader import Capture
 from ..captures.texels import Texels
-from .cnn import CnnAvatar, Residuals
+from .avatar import Avatar
 from .losses import psnr
 from .moments import Moments
+from .residuals import Residuals
 from .torchgem import pose_head
 from .views import View, views_of
 
@@ -21,14 +22,14 @@ from .views import View, views_of
 class Stage:
     """An avatar, its capture, and what of the two is needed for a picture; all on one device."""
 
-    def __init__(self, capture: Capture, texels: Texels, avatar: CnnAvatar, device: torch.device) -> None:
+    def __init__(self, capture: Capture, texels: Texels, avatar: Avatar, device: torch.device) -> None:
         self.capture, self.texels, self.avatar, self.device = capture, texels, avatar, device
         self.moments = Moments(capture, texels, device)
         self._neck_weights = torch.from_numpy(texels.spread(capture.template.neck_weights)).float().to(device)
         self._pivot = torch.from_numpy(np.array(capture.template.neck_pivot, np.float32)).to(device)
 
     def splats(self, timestep: int, bare: bool = False) -> tuple[RawTensors, Residuals]:
-        """The avatar at one moment, with the head's pose, and how far it is from the ``bare`` mesh."""
+        """The avatar at one moment, with the head's pose, and how far it is from the ``bare`` surface."""
         moment = self.moments[timestep]
         raw, residuals = self.avatar(moment, bare)
         return pose_head(raw, self._neck_weights, self._pivot, moment.rotation, moment.translation), residuals

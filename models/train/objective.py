@@ -6,10 +6,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from .cnn import STEP, Residuals
 from .losses import SSIM_SHARE, ssim
 from .perceptual import Perceptual
 from .plan import Plan
+from .residuals import STEP, Residuals
 
 TERMS = ("l1", "dssim", "vgg", "offset", "growth")
 
@@ -29,7 +29,7 @@ class Objective:
         return torch.stack([l1, 1 - ssim(image, target), self._vgg(image, target, step, lot)])
 
     def of_residuals(self, residuals: Residuals) -> Tensor:
-        """[2] mean squares of offsets and of growth, in the network's units."""
+        """[2] mean squares of offsets and of growth, in units of STEP."""
         return torch.stack(
             [
                 (residuals.offset / STEP["offset"]).square().mean(),

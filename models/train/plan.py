@@ -1,8 +1,17 @@
 """How an avatar is learned: every number of it in one place, and three choices of them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from math import isfinite
+from typing import Literal, get_args
 
 from .cnn import Architecture
+
+Model = Literal["cnn", "rigged", "blendshapes"]
+"""What is learned: the paper's CNN, or one of the two baselines beside it."""
+MODELS = get_args(Model)
+LARGEST = {"size": 1024, "width": 512}
+LARGEST_COUNT, LARGEST_WEIGHT = 10_000_000, 1000.0
+"""What no sound plan exceeds: a config from elsewhere must not fill the memory."""
 
 
 @dataclass(frozen=True)
@@ -14,10 +23,10 @@ class Plan:
     width: int
     """Channels of the network at full resolution."""
     levels: int
-    """How often its maps are halved."""
+    """How often its maps are halved. This and the width are the CNN's alone."""
     steps: int
     views: int = 2
-    """Pictures a step, all of one moment: the network answers once for them."""
+    """Pictures a step, all of one moment: the model answers once for them."""
     colors_first: int = 100
     """So many steps learn the colours of the bare mesh, before anything moves. At ``steps`` it is a bare mesh."""
     network_rate: float = 2e-3
@@ -35,20 +44,41 @@ class Plan:
     focus: float = 2.0
     """How much more a pixel of mouth and eyes counts than one elsewhere."""
     offset_weight: float = 2e-4
-    """Of the mean squared offset, in units of cnn.STEP."""
+    """Of the mean squared offset, in units of residuals.STEP."""
     growth_weight: float = 2e-4
     """Of the mean squared change of the log scales, in the same units."""
     checkpoint_every: int = 100
     preview_every: int = 500
     seed: int = 0
+    model: Model = "cnn"
+    shape_rate: float = 2e-2
+    """Learning rate of the blendshapes."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            _check(field.name, getattr(self, field.name))
+        if self.model not in MODELS:
+            raise ValueError(f"model {self.model!r} is none of {', '.join(MODELS)}")
+        if self.size & (self.size - 1) or not 1 <= self.levels < self.size.bit_length():
+            raise ValueError(f"maps of {self.size} texels cannot be halved {self.levels} times")
+
+    @property
+    def rates(self) -> dict[str, float]:
+        """The learning rate of each group of parameters (``Avatar.groups``)."""
+        return {
+            "network": self.network_rate,
+            "shapes": self.shape_rate,
+            "constant": self.constant_rate,
+            "colors": self.color_rate,
+        }
 
     @property
     def architecture(self) -> Architecture:
         """The network's part of it."""
         return Architecture(self.size, self.width, self.levels)
 
-    def changed(self, steps: int | None = None, perceptual: bool = True, seed: int = 0) -> "Plan":
-        """Another length, seed, or no VGG term; short runs spend at most a tenth on colours alone."""
+    def changed(self, steps: int | None = None, perceptual: bool = True, seed: int = 0, model: Model = "cnn") -> "Plan":
+        """Another length, seed, model, or no VGG term; short runs spend at most a tenth on colours alone."""
         steps = self.steps if steps is None else steps
         return replace(
             self,
@@ -56,7 +86,26 @@ class Plan:
             colors_first=min(self.colors_first, -(-steps // 10)),
             perceptual=self.perceptual if perceptual else 0.0,
             seed=seed,
+            model=model,
         )
+
+
+_WEIGHTS = tuple(field.name for field in fields(Plan) if field.type is float)
+
+
+def _check(name: str, value: object) -> None:
+    """Raises ValueError for a number that no training can have."""
+    if name == "model" or (name == "perceptual_side" and value is None):
+        return
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{name} {value!r} is no number")
+    if name in _WEIGHTS:
+        if not (isfinite(value) and 0 <= value <= LARGEST_WEIGHT):
+            raise ValueError(f"{name} {value} is not within 0..{LARGEST_WEIGHT:.0f}")
+        return
+    least, most = int(name not in ("colors_first", "seed")), LARGEST.get(name, LARGEST_COUNT)
+    if not isinstance(value, int) or not least <= value <= most:
+        raise ValueError(f"{name} {value} is no whole number within {least}..{most}")
 
 
 PRESETS = {

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...render.gaussians import RawGaussians
+from ..arkit import NAMES
 from ..captures.layout import Tracked
 from ..importers.source import Source
 from .runs import Run
@@ -23,11 +24,11 @@ def run_source(run: Run) -> Source:
     weights = [capture.tracked(timestep).arkit for timestep in timesteps]
     known = [row for row in weights if row is not None]
     return Source(
-        kind="CNN avatar",
+        kind=f"{run.avatar.title} avatar",
         splats=len(run.texels),
         count=len(timesteps),
         frames=frames,
-        rest=run.splats(Tracked(template.vertices, still, still, None)),
+        rest=run.splats(Tracked(template.vertices, still, still, np.zeros(len(NAMES), np.float32))),
         neck_weights=np.clip(run.texels.spread(template.neck_weights), 0, 1).astype(np.float32),
         neck_pivot=np.array(template.neck_pivot, np.float32),
         viewing=capture.viewing(),

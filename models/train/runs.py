@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -17,8 +18,9 @@ from ..captures.layout import Tracked
 from ..captures.reader import Capture, open_capture
 from ..captures.texels import Texels, texels_of
 from ..wholefile import write_whole
-from .cnn import CnnAvatar
+from .avatar import Avatar
 from .deform import moment_of
+from .kinds import KINDS, untrained
 from .plan import Plan
 
 CONFIG, CHECKPOINT, PREVIEWS = "config.json", "checkpoint.pt", "previews"
@@ -40,6 +42,8 @@ class Config:
     capture: Path
     subject: str
     plan: Plan
+    seconds: float | None = 0.0
+    """Spent so far, by the clock, previews and checkpoints included; None where the run is from before it was kept."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +54,11 @@ class Run:
     capture: Capture
     plan: Plan
     step: int
-    """How many steps it was trained for."""
+    """How many steps it was trained for ..."""
+    seconds: float | None
+    """... and how long that took; None where it was not kept."""
     texels: Texels
-    avatar: CnnAvatar
+    avatar: Avatar
 
     def splats(self, tracked: Tracked) -> RawGaussians:
         """The splats of an expression in canonical space; the head's pose is for ``posing.pose_head``."""
@@ -75,7 +81,7 @@ def open_run(folder: Path, capture: Path | None = None) -> Run:
         folder: written by ``train_avatar``.
         capture: where its capture lies now; None looks where it lay.
 
-    Raises RunError, and CaptureError where the capture is no longer what it was.
+    Raises RunError, and CaptureError where the capture is no longer what it was, or lacks what drives the model.
     """
     config = read_config(folder)
     if config is None:
@@ -84,10 +90,12 @@ def open_run(folder: Path, capture: Path | None = None) -> Run:
     if state is None:
         raise RunError(folder, "holds nothing learned yet", "let gemheads train work on it for longer")
     opened = open_capture(config.capture if capture is None else capture)
+    KINDS[config.plan.model].require(opened)
     texels = texels_of(opened.template, config.plan.size)
-    avatar = CnnAvatar(texels, config.plan.architecture)
+    avatar = untrained(texels, config.plan)
     load(avatar, state["avatar"], folder)
-    return Run(folder, opened, config.plan, int(state["step"]), texels, avatar.to(default_device()).eval())
+    avatar = avatar.to(default_device()).eval()
+    return Run(folder, opened, config.plan, int(state["step"]), config.seconds, texels, avatar)
 
 
 def default_device() -> torch.device:
@@ -95,7 +103,7 @@ def default_device() -> torch.device:
     return torch.device("cpu" if cuda.missing() else "cuda")
 
 
-def load(avatar: CnnAvatar, weights: Mapping[str, Any], folder: Path) -> None:
+def load(avatar: Avatar, weights: Mapping[str, Any], folder: Path) -> None:
     """Puts weights into an avatar. RunError where they are of another one: the capture's template was changed."""
     try:
         avatar.load_state_dict(weights)
@@ -106,7 +114,8 @@ def load(avatar: CnnAvatar, weights: Mapping[str, Any], folder: Path) -> None:
 
 def write_config(folder: Path, config: Config) -> None:
     """Raises OSError."""
-    told = {"version": VERSION, "capture": str(config.capture.resolve()), "subject": config.subject}
+    told: dict[str, Any] = {"version": VERSION, "capture": str(config.capture.resolve()), "subject": config.subject}
+    told["seconds"] = None if config.seconds is None else round(config.seconds, 1)
     text = json.dumps({**told, "plan": asdict(config.plan)}, indent=1)
     write_whole(folder / CONFIG, [text.encode()])
 
@@ -120,10 +129,18 @@ def read_config(folder: Path) -> Config | None:
         told = json.loads(path.read_text())
         version = told["version"]
         if version == VERSION:
-            return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]))
-    except (ValueError, KeyError, TypeError, OSError) as error:
+            return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]), _seconds(told))
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError, OSError) as error:
         raise RunError(path, f"cannot be understood ({error})", "train again into another folder") from error
     raise RunError(path, f"has version {version}, this program reads {VERSION}", "use the program that wrote it")
+
+
+def _seconds(told: Mapping[str, Any]) -> float | None:
+    """Raises ValueError, TypeError, OverflowError."""
+    seconds = told.get("seconds")
+    if seconds is not None and not 0 <= float(seconds) < math.inf:
+        raise ValueError(f"seconds {seconds} have not been spent")
+    return None if seconds is None else float(seconds)
 
 
 def write_checkpoint(folder: Path, state: Mapping[str, Any]) -> None:

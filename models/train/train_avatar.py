@@ -1,4 +1,4 @@
-"""Training a CNN avatar on a capture: the loop, what it survives, and what it leaves in the run's folder.
+"""Training an avatar on a capture: the loop, what it survives, and what it leaves in the run's folder.
 
 Every choice of chance depends on the seed and the number of the step alone, so a run that was killed goes on from its
 last checkpoint to the same avatar, bit for bit on a CPU.
@@ -7,7 +7,7 @@ last checkpoint to the same avatar, bit for bit on a CPU.
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +20,10 @@ from ..captures.reader import Capture
 from ..captures.texels import texels_of
 from ..captures.texture import texel_colors
 from ..wholefile import write_whole
-from .cnn import CnnAvatar
 from .deck import Deck, frontal, spaced
 from .drawing import Stage
 from .focus import focus_map, regions_of
+from .kinds import KINDS, untrained
 from .objective import TERMS, Objective
 from .perceptual import Perceptual
 from .plan import Plan
@@ -97,17 +97,18 @@ def train_avatar(
 
     Raises:
         RunError: where the folder holds another run, or training does not stay finite.
-        CaptureError: where the capture changed meanwhile.
+        CaptureError: where the capture lacks what drives the plan's model, or changed meanwhile.
         OSError: where the folder cannot be written.
     """
-    begin_run(folder, Config(capture.folder, capture.subject, plan))
-    trainer = Trainer(capture, folder, plan, perceptual, device or default_device())
+    KINDS[plan.model].require(capture)
+    config = begin_run(folder, Config(capture.folder, capture.subject, plan))
+    trainer = Trainer(capture, folder, config, perceptual, device or default_device())
     trainer.resume()
     return trainer.run(progress)
 
 
-def begin_run(folder: Path, config: Config) -> None:
-    """Makes the folder and writes its config; a run of the same config goes on. Raises RunError, OSError."""
+def begin_run(folder: Path, config: Config) -> Config:
+    """Makes the folder and writes its config; a run of the same goes on, with its own. Raises RunError, OSError."""
     before = read_config(folder)
     if before is not None and before.plan != config.plan:
         raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
@@ -116,19 +117,21 @@ def begin_run(folder: Path, config: Config) -> None:
     if before is None:
         folder.mkdir(parents=True, exist_ok=True)
         write_config(folder, config)
+    return before or config
 
 
 class Trainer:
     """A training between two steps."""
 
     def __init__(
-        self, capture: Capture, folder: Path, plan: Plan, perceptual: Perceptual | None, device: str | torch.device
+        self, capture: Capture, folder: Path, config: Config, perceptual: Perceptual | None, device: str | torch.device
     ) -> None:
-        self.folder, self.plan = folder, plan
+        plan = config.plan
+        self.folder, self.config, self.plan = folder, config, plan
         texels = texels_of(capture.template, plan.size)
         with torch.random.fork_rng():
             torch.manual_seed(plan.seed)
-            self.avatar = CnnAvatar(texels, plan.architecture).to(device)
+            self.avatar = untrained(texels, plan).to(device)
         self.stage = Stage(capture, texels, self.avatar, torch.device(device))
         self.objective = Objective(plan, perceptual)
         self.deck = Deck(capture.train, plan.views, plan.seed)
@@ -137,14 +140,10 @@ class Trainer:
         self._stumbles, self._returns = 0, 0
         self._rows: list[list[float]] = []
         self._regions = regions_of(texels, capture.template.part_names)
-        self._groups = {
-            "network": (list(self.avatar.network.parameters()), plan.network_rate),
-            "constant": ([self.avatar.constant], plan.constant_rate),
-            "colors": ([self.avatar.colors], plan.color_rate),
-        }
-        self._optimizer = torch.optim.Adam(
-            [{"params": parameters, "lr": rate} for parameters, rate in self._groups.values()], fused=True
-        )
+        groups = self.avatar.groups()
+        self._rates = [plan.rates[name] for name in groups]
+        self._optimizer = torch.optim.Adam([{"params": parameters} for parameters in groups.values()], fused=True)
+        self._ticked = time.monotonic()
 
     def resume(self) -> None:
         """Go back to the folder's checkpoint, or make the first one. Raises RunError, OSError."""
@@ -163,7 +162,7 @@ class Trainer:
 
     def run(self, progress: Progress) -> Outcome:
         """All steps that are left; then the folder holds everything."""
-        started = time.monotonic()
+        started = self._ticked = time.monotonic()
         try:
             while self.step < self.plan.steps:
                 self._learn()
@@ -192,7 +191,7 @@ class Trainer:
 
     def _learn(self) -> None:
         """One step, from its pictures to its new weights; one that is not finite changes nothing."""
-        for group, (_, rate) in zip(self._optimizer.param_groups, self._groups.values(), strict=True):
+        for group, rate in zip(self._optimizer.param_groups, self._rates, strict=True):
             group["lr"] = rate * self._rate_share()
         self._optimizer.zero_grad(set_to_none=True)
         terms = self._terms()
@@ -267,6 +266,15 @@ class Trainer:
             "faults": [self.skipped, self.restored, self._stumbles, self._returns],
         }
         write_checkpoint(self.folder, state)
+        self._tick()
+
+    def _tick(self) -> None:
+        """Adds the time since the last checkpoint to what the run has cost."""
+        now = time.monotonic()
+        if self.config.seconds is not None:
+            self.config = replace(self.config, seconds=self.config.seconds + now - self._ticked)
+            write_config(self.folder, self.config)
+        self._ticked = now
 
     def _show(self) -> None:
         """Previews, the curve, and the numbers behind it."""

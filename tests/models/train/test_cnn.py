@@ -7,9 +7,10 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 
 from gemheads.models.captures.layout import Tracked  # noqa: E402
 from gemheads.models.captures.texels import Texels, texels_of  # noqa: E402
-from gemheads.models.train.cnn import BOUND, Architecture, CnnAvatar, Residuals  # noqa: E402
+from gemheads.models.train.cnn import Architecture, CnnAvatar  # noqa: E402
 from gemheads.models.train.deform import deform, moment_of  # noqa: E402
 from gemheads.models.train.focus import focus_map, regions_of  # noqa: E402
+from gemheads.models.train.residuals import BOUND, Residuals  # noqa: E402
 from gemheads.models.train.runs import arrays_of  # noqa: E402
 from gemheads.models.train.styleunet import StyleUNet  # noqa: E402
 from gemheads.render.gaussians import RawGaussians  # noqa: E402
