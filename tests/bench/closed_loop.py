@@ -4,7 +4,8 @@
 
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
-moves. Below them, second opinions by landmark distances that do not go through the scores.
+moves. Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate --drivers`
+says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
 """
 
 import argparse
@@ -12,24 +13,28 @@ import json
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
-from channels import CHANNELS, SCORE_CHANNELS, Array, Reading, amplitudes, correlations, jitters, table
-from clips import SHOT_SIDE, Clip, load_clip
+from gemheads.app.drivers import opened_drivers
+from gemheads.models.crossing.channels import CHANNELS, SCORE_CHANNELS
+from gemheads.models.crossing.clip import Clip
+from gemheads.models.crossing.compare import Likeness, compare
+from gemheads.models.crossing.kept import Kept
+from gemheads.models.crossing.loop import Echo, Express, echo
+from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.baseline import baseline_weights
-from gemheads.models.driver.features import relative_rotation
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
-from mirror import Mirror, small
 from numpy.typing import NDArray
 
 DRIVERS = Path(__file__).resolve().parents[3] / "shared" / "data" / "drivers"
-Driving = Callable[[NDArray[np.float32], Array], NDArray[np.float32]]
-"""Relative features [D] and relative head rotation [3] to coefficients."""
+SHOTS = 10
+"""Pictures of each clip in the film strip."""
+Figures = dict[str, dict[str, tuple[Likeness, int]]]
+"""Clip -> run -> figures by channel, and in how many frames the avatar was not seen."""
 
 
 def main() -> int:
@@ -47,30 +52,31 @@ def main() -> int:
     parser.add_argument("--strip", type=Path, help="write a film strip of driver above avatar there (PNG)")
     options = parser.parse_args()
     gem = load_gem(options.avatar)
-    paths = options.clips or sorted(DRIVERS.glob("*.mp4"))
-    clips = [load_clip(path, options.every, options.seconds, options.cache) for path in paths]
+    drivers = opened_drivers([str(path) for path in options.clips or sorted(DRIVERS.glob("*.mp4"))])
+    kept = Kept(options.cache)
+    clips = {driver.name: driver.tracked(options.every, options.seconds, kept) for driver in drivers}
     mirror = Mirror(gem, options.size)
-    runs: dict[str, tuple[Driving, int | None]] = {}
+    runs: dict[str, tuple[Express, int | None]] = {}
     if gem.arkit_weights is not None:
-        runs["baseline"] = (_baseline(gem), None)
+        runs["baseline"] = (lambda relative, _: gem.arkit_coefficients(baseline_weights(relative)), None)
     graph = options.regressor.read_bytes() if options.regressor else gem.regressor
     if graph is not None:
         regressor = Regressor(graph, gem.coefficient_count)
         runs |= {f"regressor, {m} components": (regressor, m) for m in options.components}
     if not runs:
         parser.error(f"{options.avatar} has neither ARKit weights nor a regressor: nothing drives it")
-    figures: dict[str, dict[str, dict[str, list[float]]]] = {}
+    figures: Figures = {}
     strips: list[NDArray[np.uint8]] = []
-    for name, (driving, components) in runs.items():
-        neutral = mirror.neutral(components)
-        for clip in clips:
+    for name, (express, components) in runs.items():
+        for clip_name, clip in clips.items():
             began = time.perf_counter()
-            shown, pictures = _driven(clip, driving, mirror, components)
-            print(f"{clip.name}, {name}: {time.perf_counter() - began:.0f} s", file=sys.stderr)
-            figures.setdefault(clip.name, {})[name] = _compared(clip, shown, neutral)
+            shown = echo(clip, express, mirror, components)
+            print(f"{clip_name}, {name}: {time.perf_counter() - began:.0f} s", file=sys.stderr)
+            compared = compare(clip, shown)
+            figures.setdefault(clip_name, {})[name] = compared.likeness, compared.unseen
             if name == next((n for n in runs if n != "baseline"), "baseline"):
-                strips += [np.concatenate(list(clip.shots), 1), np.concatenate(pictures, 1)]
-    print(report(gem.name, clips, figures, list(runs)))
+                strips += _strip(clip, shown)
+    print(report(gem.name, figures, list(runs)))
     if options.json:
         options.json.write_text(json.dumps(_document(gem, clips, figures), indent=1) + "\n")
     if options.strip:
@@ -78,48 +84,18 @@ def main() -> int:
     return 0
 
 
-def _baseline(gem: Gem) -> Driving:
-    return lambda relative, _: gem.arkit_coefficients(baseline_weights(relative))
+def _strip(clip: Clip, shown: Echo) -> list[NDArray[np.uint8]]:
+    """SHOTS pictures of the driver in a row, and those of the avatar."""
+    places = np.linspace(0, len(clip.readings) - 1, SHOTS + 2).round().astype(int)[1:-1]
+    return [np.concatenate([album[int(i)] for i in places], 1) for album in (clip.pictures, shown.pictures)]
 
 
-def _driven(
-    clip: Clip, driving: Driving, mirror: Mirror, components: int | None
-) -> tuple[list[Reading | None], list[NDArray[np.uint8]]]:
-    """What the tracker reads off the avatar for each frame of a clip, and the pictures beside the clip's shots."""
-    readings: list[Reading | None] = []
-    pictures: list[NDArray[np.uint8]] = []
-    mirror.restart()
-    for i, reading in enumerate(clip.readings):
-        rotation = relative_rotation(reading.rotation, clip.neutral.rotation)
-        coefficients = driving(reading.features - clip.neutral.features, rotation)
-        picture = mirror.draw(coefficients, rotation, components)
-        readings.append(mirror.read(picture))
-        pictures += [small(picture, SHOT_SIDE)] * clip.shot_frames.count(i)
-    return readings, pictures
-
-
-def _compared(clip: Clip, shown: list[Reading | None], neutral: Reading) -> dict[str, list[float]]:
-    """Figures by channel of one clip, over the frames in which the avatar was seen too."""
-    pairs = [(mine, its) for mine, its in zip(clip.readings, shown, strict=True) if its is not None]
-    driver = table([mine for mine, _ in pairs], clip.neutral)
-    avatar = table([its for _, its in pairs], neutral)
-    return {
-        "correlation": correlations(driver, avatar).tolist(),
-        "amplitude": amplitudes(driver, avatar).tolist(),
-        "jitter": jitters(driver, avatar).tolist(),
-        "driver_std": driver.std(0).tolist(),
-        "avatar_unseen": [float(len(shown) - len(pairs))],
-    }
-
-
-def report(
-    avatar: str, clips: list[Clip], figures: dict[str, dict[str, dict[str, list[float]]]], runs: list[str]
-) -> str:
+def report(avatar: str, figures: Figures, runs: list[str]) -> str:
     """The markdown table: one row a channel; in each cell one figure per run, in the order of ``runs``."""
-    names = [clip.name for clip in clips]
+    names = list(figures)
 
-    def column(kind: str, run: str) -> Array:
-        return np.array([figures[name][run][kind] for name in names], np.float64)
+    def column(kind: str, run: str) -> NDArray[np.float64]:
+        return np.array([getattr(figures[name][run][0], kind) for name in names], np.float64)
 
     correlation = {run: column("correlation", run) for run in runs}
     moving = ~np.isnan(correlation[runs[0]])
@@ -131,7 +107,7 @@ def report(
     ]
     for i, channel in enumerate(CHANNELS):
         cells = [" ".join(_figure(correlation[run][c, i]) for run in runs) for c in range(len(names))]
-        for kind in ("correlation", "amplitude", "jitter"):
+        for kind in ("correlation", "amplitude", "unrest"):
             kept = [column(kind, run)[moving[:, i], i] for run in runs]
             cells.append(" ".join(_figure(float(np.median(k))) if len(k) else "-" for k in kept))
         goal = "" if channel.goal is None else f"{channel.goal:g}"
@@ -144,10 +120,25 @@ def _figure(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.2f}".replace("0.", ".", 1) if abs(value) < 1 else f"{value:.2f}"
 
 
-def _document(gem: Gem, clips: list[Clip], figures: dict[str, dict[str, dict[str, list[float]]]]) -> dict[str, object]:
+def _document(gem: Gem, clips: dict[str, Clip], figures: Figures) -> dict[str, object]:
     """All figures as plain JSON, NaN as null."""
-    tidy = json.loads(json.dumps(figures), parse_constant=lambda _: None)
-    about = {clip.name: {"frames": len(clip.readings), "losses": clip.losses, "neutral": clip.reason} for clip in clips}
+    told = {
+        clip: {
+            run: {
+                "correlation": likeness.correlation.tolist(),
+                "amplitude": likeness.amplitude.tolist(),
+                "jitter": likeness.unrest.tolist(),
+                "driver_std": likeness.driver_std.tolist(),
+                "avatar_unseen": [float(unseen)],
+            }
+            for run, (likeness, unseen) in runs.items()
+        }
+        for clip, runs in figures.items()
+    }
+    tidy = json.loads(json.dumps(told), parse_constant=lambda _: None)
+    about = {
+        name: {"frames": len(clip.readings), "losses": clip.lost, "neutral": clip.reason} for name, clip in clips.items()
+    }
     return {"avatar": gem.name, "channels": [c.name for c in CHANNELS], "clips": about, "figures": tidy}
 
 

@@ -1,0 +1,72 @@
+"""The people who drive avatars in ``evaluate``: their clips, opened, named, and tracked once."""
+
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..models.crossing.clip import Clip, UnseenDriver, track_clip
+from ..models.crossing.kept import Kept
+from ..models.crossing.reading import Image
+from ..models.driver.features import FEATURE_VERSION
+from ..models.wholefile import file_sha256
+from .errors import InputError, NoFaceError, UsageError
+from .sources import Images, Source, open_source
+
+
+@dataclass(frozen=True)
+class Driver:
+    """One clip of a person."""
+
+    name: str
+    source: Source
+    sha256: str
+    """Of what it shows: the bytes of its file or of all its pictures."""
+
+    def frames(self) -> Iterator[tuple[Image, float]]:
+        """Pictures and times in seconds. Raises InputError."""
+        return ((frame.rgb, frame.seconds) for frame in self.source.frames())
+
+    def made_of(self, every: int, seconds: float) -> list[object]:
+        """What its readings depend on."""
+        return [self.sha256, every, seconds, FEATURE_VERSION]
+
+    def tracked(self, every: int, seconds: float, kept: Kept) -> Clip:
+        """The clip as readings. Raises InputError, NoFaceError when too few frames show a face, OSError."""
+        try:
+            return kept.get(
+                "clip", self.made_of(every, seconds), Clip, lambda: track_clip(self.frames(), every, seconds)
+            )
+        except UnseenDriver as error:
+            raise NoFaceError(f"{self.source.path}: {error}; give a longer clip of a face, or a smaller --every") from error
+
+
+def opened_drivers(words: Sequence[str]) -> list[Driver]:
+    """All drivers, each looked into, so that what cannot be used is told before anything begins.
+
+    Raises InputError, and UsageError for one that is given twice.
+    """
+    drivers: list[Driver] = []
+    for word in words:
+        source = open_source(word)
+        sha256 = _sha256(source)
+        if any(other.sha256 == sha256 for other in drivers):
+            raise UsageError(f"--drivers {word}: is given twice")
+        drivers.append(Driver(_name(source.path, {other.name for other in drivers}), source, sha256))
+    return drivers
+
+
+def _sha256(source: Source) -> str:
+    files = source.files if isinstance(source, Images) else [source.path]
+    try:
+        hashes = [file_sha256(file) for file in files]
+    except OSError as error:
+        raise InputError(f"{source.path}: cannot be read ({error.strerror}); check its permissions") from error
+    return hashes[0] if len(hashes) == 1 else hashlib.sha256("".join(hashes).encode()).hexdigest()
+
+
+def _name(path: Path, taken: set[str]) -> str:
+    """The file's, with a number where two are called the same."""
+    short = path.resolve().stem
+    names = (short, *(f"{short} ({number})" for number in range(2, len(taken) + 3)))
+    return next(name for name in names if name not in taken)

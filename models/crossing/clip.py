@@ -1,0 +1,97 @@
+"""A driver's clip as readings: it streams through the tracker once, and only numbers and small pictures stay."""
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..driver.face import FaceObservation, FaceTracker
+from ..driver.neutral import NeutralChoice, choose_neutral
+from .album import Album, bound, face_square, packed
+from .reading import Array, Image, Reading, Readings, read, stacked
+
+MOST_FRAMES = 3000
+"""Of a clip: 40 MB of readings and pictures."""
+FEWEST_FRAMES = 8
+"""Fewer say nothing about how two things move together."""
+
+
+class UnseenDriver(ValueError):
+    """Too few frames of a clip show a face."""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """One driver; F frames in which a face was seen."""
+
+    readings: Readings
+    times: Array
+    """[F] seconds."""
+    neutral: Reading
+    neutral_time: float
+    """Seconds."""
+    reason: str
+    """Why this neutral."""
+    pictures: Album
+    """[F] faces."""
+    lost: int
+    """Frames without a face."""
+    tracking_secs: float
+    """Median over frames that it took to track one."""
+
+
+def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float) -> Clip:
+    """Tracks each ``every``-th frame of a clip's first ``seconds``, at most MOST_FRAMES.
+
+    Args:
+        frames: picture [H, W, 3] and time in seconds, in order.
+        every: from 1.
+        seconds: since the first frame's time.
+
+    Raises:
+        UnseenDriver: where fewer than FEWEST_FRAMES show a face.
+    """
+    tracker = FaceTracker()
+    faces: list[FaceObservation] = []
+    times: list[float] = []
+    pictures: list[NDArray[np.uint8]] = []
+    spent: list[float] = []
+    lost = 0
+    first: float | None = None
+    for i, (picture, now) in enumerate(frames):
+        if i % every:
+            continue
+        first = now if first is None else first
+        if now - first > seconds or len(faces) == MOST_FRAMES:
+            break
+        began = time.perf_counter()
+        face = tracker.track(picture)
+        spent.append(time.perf_counter() - began)
+        if face is None:
+            lost += 1
+            continue
+        faces.append(face)
+        times.append(now)
+        pictures.append(packed(face_square(picture, face.box_px)))
+    if len(faces) < FEWEST_FRAMES:
+        raise UnseenDriver(f"a face in {len(faces)} of {len(faces) + lost} frames, {FEWEST_FRAMES} are needed")
+    choice = choose_neutral(faces, times)
+    readings = stacked([read(face) for face in faces])
+    return Clip(
+        readings=readings,
+        times=np.array(times),
+        neutral=_neutral(readings, choice),
+        neutral_time=choice.time,
+        reason=choice.reason,
+        pictures=bound(pictures),
+        lost=lost,
+        tracking_secs=float(np.median(spent)),
+    )
+
+
+def _neutral(readings: Readings, choice: NeutralChoice) -> Reading:
+    """Features and rotation are medians over neighbours, the rest is the chosen frame's."""
+    chosen = readings[choice.index]
+    return Reading(choice.features, choice.rotation, chosen.landmarks, chosen.embedding)

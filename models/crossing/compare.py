@@ -1,0 +1,142 @@
+"""A driver beside the avatar that repeats him: figures by channel, by embedding, and the frames that agree least."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .channels import CHANNELS, SCORE_CHANNELS, amplitudes, correlations, moving, table, unrests
+from .clip import Clip
+from .embedding import Agreement, agreement
+from .loop import Echo
+from .reading import Array
+
+FEWEST_SEEN = 3
+"""Frames: an avatar that is seen in fewer follows nothing."""
+WORST = 8
+"""Frames that are shown of each driver."""
+WORST_APART_SECS = 0.4
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """Figures by channel, in the order of CHANNELS, over the frames in which driver and avatar were seen."""
+
+    correlation: Array
+    """[channels] NaN where the driver hardly moves."""
+    amplitude: Array
+    """[channels] avatar over driver."""
+    unrest: Array
+    """[channels] the same of second differences over time, each over its range."""
+    driver_std: Array
+    """[channels]"""
+
+
+@dataclass(frozen=True)
+class Worst:
+    """A frame in which driver and avatar disagree."""
+
+    frame: int
+    """Place in the clip."""
+    seconds: float
+    channel: str | None
+    """In what most; None where the tracker saw no face on the avatar."""
+    driver: float
+    """What the driver does there, in standard deviations of his own over the clip ..."""
+    avatar: float
+    """... and the avatar, in its own."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One clip and what an avatar made of it."""
+
+    likeness: Likeness
+    agreement: Agreement | None
+    """None where the avatar was hardly seen."""
+    driver: Array
+    """[S, channels] over the S frames in which both were seen, relative to the own neutral ..."""
+    avatar: Array
+    """... and the avatar."""
+    times: Array
+    """[S] seconds."""
+    worst: tuple[Worst, ...]
+    """At most WORST, the worst first."""
+    unseen: int
+    """Frames in which the tracker saw no face on the avatar."""
+
+
+def compare(clip: Clip, shown: Echo) -> Compared:
+    """All figures of one clip."""
+    enough = int(shown.seen.sum()) >= FEWEST_SEEN
+    driver = table(clip.readings.only(shown.seen), clip.neutral)
+    avatar = table(shown.readings, shown.neutral)
+    return Compared(
+        likeness=likeness(driver, avatar) if enough else _nothing(table(clip.readings, clip.neutral)),
+        agreement=agreement(*relative_embeddings(clip, shown)) if enough else None,
+        driver=driver,
+        avatar=avatar,
+        times=clip.times[shown.seen],
+        worst=worst_frames(clip.times, shown.seen, driver, avatar),
+        unseen=int((~shown.seen).sum()),
+    )
+
+
+def likeness(driver: Array, avatar: Array) -> Likeness:
+    """Of two tables [F, channels] of the same frames, FEWEST_SEEN or more."""
+    return Likeness(correlations(driver, avatar), amplitudes(driver, avatar), unrests(driver, avatar), driver.std(0))
+
+
+def relative_embeddings(clip: Clip, shown: Echo) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Of driver and avatar [S, 512], in the frames in which both were seen, each relative to its own neutral."""
+    return (
+        clip.readings.only(shown.seen).embeddings - clip.neutral.embedding,
+        shown.readings.embeddings - shown.neutral.embedding,
+    )
+
+
+def worst_frames(times: Array, seen: NDArray[np.bool_], driver: Array, avatar: Array) -> tuple[Worst, ...]:
+    """The frames that disagree most in any one channel that the driver moves, apart in time, the worst first.
+
+    Channels are compared by standard deviations from their own means, as correlation does; those that stand still on
+    the avatar count as at their mean. Frames in which the avatar was not seen come before all others.
+
+    Args:
+        times: [F] seconds.
+        seen: [F] whether the avatar was seen.
+        driver: [S, channels] over the seen frames.
+        avatar: the same.
+    """
+    apart = np.full(len(times), np.inf)
+    channel = np.zeros(len(times), int)
+    ours = theirs = np.zeros((0, len(SCORE_CHANNELS)))
+    if len(driver) >= FEWEST_SEEN:
+        ours, theirs = (_standardised(values[:, : len(SCORE_CHANNELS)]) for values in (driver, avatar))
+        difference = np.abs(ours - theirs) * moving(driver)[: len(SCORE_CHANNELS)]
+        apart[seen], channel[seen] = difference.max(1), difference.argmax(1)
+    row = np.cumsum(seen) - 1
+    worst: list[Worst] = []
+    for frame in np.argsort(-apart, kind="stable"):
+        if len(worst) == WORST or apart[frame] == 0:
+            break
+        now = float(times[frame])
+        if any(abs(now - other.seconds) < WORST_APART_SECS for other in worst):
+            continue
+        if np.isfinite(apart[frame]):
+            at = row[frame], channel[frame]
+            name, own, its = CHANNELS[channel[frame]].name, float(ours[at]), float(theirs[at])
+        else:
+            name, own, its = None, 0.0, 0.0
+        worst.append(Worst(int(frame), now, name, own, its))
+    return tuple(worst)
+
+
+def _standardised(values: Array) -> Array:
+    floors = np.array([channel.floor for channel in SCORE_CHANNELS]) / 4  # so that noise does not look like movement
+    return (values - values.mean(0)) / np.maximum(values.std(0), floors)
+
+
+def _nothing(driver: Array) -> Likeness:
+    """What an avatar that is hardly ever seen is like."""
+    none = np.zeros(len(CHANNELS))
+    return Likeness(np.where(moving(driver), 0.0, np.nan), none, np.full(len(CHANNELS), np.nan), driver.std(0))

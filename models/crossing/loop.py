@@ -1,0 +1,77 @@
+"""The closed loop: a clip drives an avatar, and the tracker reads the avatar's own pictures."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..driver.features import relative_rotation
+from .album import Album, bound, packed, small
+from .clip import Clip
+from .mirror import Mirror
+from .reading import Array, Reading, Readings, stacked
+
+Express = Callable[[NDArray[np.float32], Array], NDArray[np.floating]]
+"""Relative features [D] and relative head rotation [3] to coefficients [n]."""
+
+
+@dataclass(frozen=True)
+class Echo:
+    """What an avatar showed in the F frames of a clip that drove it."""
+
+    readings: Readings
+    """Of the pictures in which it was seen, in order."""
+    seen: NDArray[np.bool_]
+    """[F] whether the tracker saw the avatar."""
+    neutral: Reading
+    """Of the avatar at rest."""
+    coefficients: NDArray[np.float32]
+    """[F, n]"""
+    pictures: Album
+    """[F]"""
+    step_secs: float
+    """Median over frames of what it took to express, compose, pose and draw one."""
+
+
+def echo(
+    clip: Clip,
+    express: Express,
+    mirror: Mirror,
+    components: int | None = None,
+    progress: Callable[[], None] = lambda: None,
+) -> Echo:
+    """Drives an avatar with all of a clip; ``progress`` is called after each frame.
+
+    Raises UnseenAvatar when the tracker does not see it at rest, or in no frame at all.
+    """
+    readings: list[Reading] = []
+    seen: list[bool] = []
+    coefficients: list[NDArray[np.float32]] = []
+    pictures: list[NDArray[np.uint8]] = []
+    spent: list[float] = []
+    neutral = mirror.neutral(components)
+    mirror.restart()
+    for i in range(len(clip.readings)):
+        began = time.perf_counter()
+        rotation = relative_rotation(clip.readings.rotations[i], clip.neutral.rotation)
+        answer = express(clip.readings.features[i] - clip.neutral.features, rotation)
+        picture = mirror.draw(answer, rotation, components)
+        spent.append(time.perf_counter() - began)
+        reading = mirror.read(picture)
+        seen.append(reading is not None)
+        if reading is not None:
+            readings.append(reading)
+        coefficients.append(np.asarray(answer, np.float32))
+        pictures.append(packed(small(picture)))
+        progress()
+    return Echo(
+        readings=stacked(readings or [neutral]).only(np.arange(len(readings))),
+        seen=np.array(seen),
+        neutral=neutral,
+        coefficients=np.stack(coefficients),
+        pictures=bound(pictures),
+        step_secs=float(np.median(spent)),
+    )
+
