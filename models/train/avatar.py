@@ -57,7 +57,7 @@ class Avatar(nn.Module):
         raise NotImplementedError
 
     def forward(self, moment: Moment, bare: bool = False) -> tuple[RawTensors, Residuals]:
-        """The splats of an expression in canonical space, and how far they are from the bare surface; ``bare`` is it."""
+        """The splats of an expression in canonical space, and how far from the bare surface; ``bare`` is that."""
         residuals = self.none() if bare else self.residuals(moment)
         return self.carried(self.canonical(residuals), moment), residuals
 

@@ -51,7 +51,7 @@ class Plan:
     preview_every: int = 500
     seed: int = 0
     model: Model = "cnn"
-    shape_rate: float = 2e-2
+    shape_rate: float = 1e-2
     """Learning rate of the blendshapes."""
 
     def __post_init__(self) -> None:
