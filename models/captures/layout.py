@@ -26,6 +26,10 @@ class CaptureError(Exception):
         super().__init__(f"{where}: {said if len(said) <= 300 else said[:297] + '...'}; {cure}")
         self.where, self.what, self.cure = where, what, cure
 
+    def __reduce__(self) -> tuple[type["CaptureError"], tuple[Path, str, str]]:
+        """It can be pickled: processes that judge pictures tell it to their parent."""
+        return type(self), (self.where, self.what, self.cure)
+
 
 @dataclass(frozen=True)
 class Shot:

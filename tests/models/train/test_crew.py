@@ -1,0 +1,142 @@
+"""Several processes that judge: the same figures as one alone, and nothing of them is left when they are done."""
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+
+pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
+
+from gemheads.models.captures.baremesh import capture_source
+from gemheads.models.captures.layout import CaptureError, Shot
+from gemheads.models.captures.reader import Capture, open_capture
+from gemheads.models.captures.staging import Stage
+from gemheads.models.gemfile import load_gem, save_gem
+from gemheads.models.importers.adopt import adopt
+from gemheads.models.train.contestants import Act, Floats, GemContestant
+from gemheads.models.train.crew import Crew, WorkerLost
+from gemheads.models.train.evaluate import Alone, Moment, fill
+from gemheads.models.train.judge import Judge
+from gemheads.models.train.ledger import Ledger, Record, ShotKeys
+
+
+@dataclass(frozen=True)
+class Opens:
+    """An avatar's file, opened by whoever judges it."""
+
+    path: Path
+
+    def __call__(self, capture: Capture) -> GemContestant:
+        return GemContestant(load_gem(self.path), capture)
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """Something that goes wrong as soon as it acts."""
+
+    how: str
+    driven_by: str = "nothing"
+
+    def __call__(self, capture: Capture) -> "Trouble":
+        return self
+
+    def act(self, shot: Shot, split: str) -> Act:
+        if self.how == "dies":
+            os._exit(1)
+        if self.how == "is changed":
+            raise CaptureError(shot.picture, "is gone", "copy it there")
+        raise ValueError(f"{split} is more than it can bear")
+
+    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
+        raise NotImplementedError
+
+
+def without_lpips() -> Judge:
+    return Judge(None)
+
+
+@pytest.fixture(scope="module")
+def footage(toy_capture: Path) -> Capture:
+    return open_capture(toy_capture)
+
+
+@pytest.fixture(scope="module")
+def avatar(footage: Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    gem, _ = adopt(capture_source(footage, 24, lambda *_: None), "toy", 4, {}, lambda *_: None)
+    path = tmp_path_factory.mktemp("avatars") / "toy.gem"
+    save_gem(gem, path)
+    return path
+
+
+def moments(footage: Capture) -> list[Moment]:
+    return [
+        Moment(split, (shot,), (f"{split} {shot.timestep} {shot.camera_index}",))
+        for split in ("val", "test")
+        for shot in footage.shots(split)[:3]
+    ]
+
+
+def same(one: Record, other: Record) -> bool:
+    arrays = ("coefficients", "turn", "move")
+    return one.values == other.values and all(
+        np.array_equal(getattr(one.act, name), getattr(other.act, name)) for name in arrays
+    )
+
+
+def test_figures_do_not_depend_on_how_many_judge(footage: Capture, avatar: Path, tmp_path: Path) -> None:
+    shots = {split: footage.shots(split)[:count] for split, count in (("val", 1), ("test", 2))}
+    keys = ShotKeys(footage, ())
+    found = []
+    alone = Alone(Opens(avatar)(footage), footage, Judge(None))
+    found.append(fill(alone, shots, Ledger(tmp_path / "1.json", "a"), keys))
+    with Crew(2, footage, without_lpips) as crew:
+        told: list[int] = []
+        ledger = Ledger(tmp_path / "2.json", "a")
+        found.append(fill(crew.judging("a", Opens(avatar)), shots, ledger, keys, lambda: told.append(1)))
+        children = psutil.Process().children(recursive=True)
+        assert len([child for child in children if child.is_running()]) >= 2
+    assert len(told) == 3
+    assert len(Ledger(tmp_path / "2.json", "a")) == 3  # it is on the disk
+    assert not [child for child in children if "spawn_main" in " ".join(_words(child))]
+    for split in shots:
+        assert all(same(one, other) for one, other in zip(found[0][split], found[1][split], strict=True))
+
+
+def _words(process: psutil.Process) -> list[str]:
+    try:
+        return process.cmdline()
+    except psutil.NoSuchProcess:
+        return []
+
+
+@pytest.mark.parametrize(
+    ("how", "error", "said"),
+    [
+        ("is changed", CaptureError, "is gone; copy it there"),
+        ("cannot", ValueError, "more than it can bear"),
+        ("dies", WorkerLost, "fewer than --jobs 1"),
+    ],
+)
+def test_what_goes_wrong_in_a_worker_is_told_by_its_parent(
+    footage: Capture, how: str, error: type[Exception], said: str
+) -> None:
+    began = time.monotonic()
+    with pytest.raises(error, match=said), Crew(1, footage, without_lpips) as crew:
+        list(crew.records("a", Trouble(how), moments(footage)))
+    assert time.monotonic() - began < 60
+
+
+def test_nothing_starts_where_nothing_is_left_to_judge(
+    footage: Capture, avatar: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shots = {"val": footage.val[:1]}
+    keys, ledger = ShotKeys(footage, ()), Ledger(tmp_path / "a.json", "a")
+    first = fill(Alone(Opens(avatar)(footage), footage, Judge(None)), shots, ledger, keys)
+    monkeypatch.setattr(Crew, "_start", lambda *_: pytest.fail("a process was started"))
+    with Crew(2, footage, without_lpips) as crew:
+        again = fill(crew.judging("a", Opens(avatar)), shots, ledger, keys)
+    assert first == again
