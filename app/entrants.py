@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..models.captures.layout import CaptureError
 from ..models.captures.reader import Capture
 from ..models.wholefile import file_sha256
 from .casting import open_avatar
@@ -16,6 +17,9 @@ from .opencapture import is_run
 if TYPE_CHECKING:
     from ..models.train.contestants import Contestant
     from ..models.train.runs import Run
+
+FITTED = "fitted in other cameras' pictures"
+"""How a GEM comes to its expressions on a capture (models.train.contestants)."""
 
 
 @dataclass(frozen=True)
@@ -34,13 +38,13 @@ class Entrant:
         return GemContestant(open_avatar(self.path).gem, capture)
 
 
-def entrants(avatar: str, against: Sequence[str], capture: Capture) -> list[Entrant]:
+def entrants(avatar: str, against: Sequence[str], capture: Capture | None) -> list[Entrant]:
     """All that are judged, each opened once, so that what cannot be used is told before anything begins.
 
     Args:
         avatar: a name, a .gem file or a run: the first column.
         against: the same, for the others.
-        capture: what they are judged on.
+        capture: what they are judged on; None where only drivers judge, which a run cannot follow.
 
     Raises InputError, and UsageError for one that is given twice.
     """
@@ -55,21 +59,33 @@ def entrants(avatar: str, against: Sequence[str], capture: Capture) -> list[Entr
     return found
 
 
-def _column(path: Path, taken: set[str], capture: Capture) -> Column:
-    from ..models.train.contestants import GemContestant, RunContestant
-    from ..models.train.runs import CHECKPOINT
-
+def _column(path: Path, taken: set[str], capture: Capture | None) -> Column:
     name = _name(path, taken)
     if is_run(path):
+        if capture is None:
+            raise InputError(f"{path}: a run is judged on a capture; for drivers alone make a .gem of it (distill)")
+        from ..models.train.runs import CHECKPOINT
+
         run = _opened_run(path, capture)
         file = path / CHECKPOINT
-        source = f"a run of {run.step} of {run.plan.steps} steps"
-        splats, size = len(run.texels), file.stat().st_size / 1e6
-        return Column(name, "CNN", RunContestant.driven_by, file_sha256(file), splats, None, size, source)
+        source = f"a run of {run.step} of {run.plan.steps} steps, {run.plan.views} pictures each"
+        return Column(
+            name=name,
+            kind=run.avatar.title,
+            driven_by=run.avatar.driven_by,
+            sha256=file_sha256(file),
+            splats=len(run.texels),
+            components=None,
+            megabytes=file.stat().st_size / 1e6,
+            source=source,
+            steps=run.step,
+            seconds=run.seconds,
+        )
     cast = open_avatar(path)
     gem, size = cast.gem, path.stat().st_size / 1e6
     source = gem.about.get("source", "") or "not stated"
-    return Column(name, "GEM", GemContestant.driven_by, cast.sha256, len(gem), gem.components, size, source)
+    driven_by = "drivers" if capture is None else FITTED
+    return Column(name, "GEM", driven_by, cast.sha256, len(gem), gem.components, size, source)
 
 
 def _name(path: Path, taken: set[str]) -> str:
@@ -85,5 +101,5 @@ def _opened_run(path: Path, capture: Capture) -> "Run":
 
     try:
         return open_run(path, capture.folder)
-    except RunError as error:
+    except (RunError, CaptureError) as error:
         raise InputError(str(error)) from error

@@ -55,16 +55,19 @@ def train(
     /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
+    model: Literal["cnn", "rigged", "blendshapes"] = "cnn",
     preset: str = "tiny",
     steps: int | None = None,
     perceptual: bool = True,
     seed: int = 0,
 ) -> int:
-    """Learn a CNN avatar from a capture (extra: pip install 'gemheads[train]'); the same again goes on.
+    """Learn an avatar from a capture (extra: pip install 'gemheads[train]'); the same again goes on.
 
     Args:
         capture: The folder of a capture.
         out: The run's folder; one that holds the same run is gone on with.
+        model: The paper's CNN, or a baseline to judge it by: rigged (static splats that the mesh carries) or
+            blendshapes (a mean and an offset for each ARKit shape).
         preset: tiny (minutes on two cores), small (hours), full (a GPU).
         steps: How long. Default: the preset's.
         perceptual: With the VGG term of equation 2, whose weights are fetched once; --no-perceptual without.
@@ -72,7 +75,7 @@ def train(
     """
     from ..avatartraining import TrainWish, run_avatar_training
 
-    return run_avatar_training(capture, out, TrainWish(preset, steps, perceptual, seed))
+    return run_avatar_training(capture, out, TrainWish(preset, steps, perceptual, seed, model))
 
 
 def refine(
@@ -116,29 +119,39 @@ def refine(
 
 def evaluate(
     avatar: str,
-    capture: Path,
+    capture: Path | None = None,
     /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     against: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    drivers: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    every: int = 3,
+    seconds: float = 30.0,
     shots: int = 24,
     everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
     lpips: Literal["vgg", "alex", "none"] = "vgg",
 ) -> int:
-    """Judge avatars on pictures that nothing was learned from (extra: pip install 'gemheads[train]').
+    """Judge avatars on pictures nothing was learned from, and driven by people never seen; the same again goes on.
 
-    A held-out camera (val) and held-out expressions (test), beside the paper's figures; the same again goes on.
+    A held-out camera (val) and held-out expressions (test) of a capture, beside the paper's figures (extra:
+    pip install 'gemheads[train]'); with --drivers, how the avatars follow strangers.
 
     Args:
         avatar: Name of an avatar, a .gem file, or a run of train.
-        capture: The folder of a capture.
+        capture: The folder of a capture. It may be left out with --drivers.
         out: The report's folder: report.html, report.json, and what is not judged again.
         against: More of them, as further columns on the same pictures.
+        drivers: Videos of faces that nothing was learned from: they drive the avatars, and what the avatars then do is
+            compared with them.
+        every: Of a driver each N-th frame is taken ...
+        seconds: ... of so many from its beginning.
         shots: How many pictures of either kind, evenly over moments and cameras.
         everything: Every picture instead.
         lpips: By which network LPIPS is measured; alex is 20 times faster, the paper has vgg.
     """
+    from ..crossing import CrossingWish
     from ..evaluating import EvaluateWish, run_evaluating
 
-    wish = EvaluateWish(tuple(against or ()), None if everything else shots, lpips)
+    crossing = CrossingWish(tuple(drivers or ()), every, seconds)
+    wish = EvaluateWish(tuple(against or ()), None if everything else shots, lpips, crossing)
     return run_evaluating(avatar, capture, out, wish)

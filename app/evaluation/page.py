@@ -5,6 +5,7 @@ from html import escape
 from typing import Any
 
 from ...models.metrics.tables import DIGITS, LARGER_IS_BETTER
+from .crossing import CrossingPictures, crossing_section
 from .curves import color_of, curve_svg
 from .pictures import Gallery
 from .style import STYLE
@@ -12,20 +13,24 @@ from .style import STYLE
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 
 
-def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery]) -> str:
+def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery], driven: CrossingPictures | None = None) -> str:
     """The whole file.
 
     Args:
         report: what report.json holds.
         galleries: split -> its pictures.
+        driven: pictures of drivers and avatars, where drivers were given.
     """
     capture = report["capture"]
-    title = f"{', '.join(column['name'] for column in report['avatars'])} on {capture['name']}"
+    names = ", ".join(column["name"] for column in report["avatars"])
+    title = f"{names} driven by people never seen" if capture is None else f"{names} on {capture['name']}"
     body = [f"<h1>{escape(title)}</h1>", _lead(report)]
     body.append("".join(f"<p class='note'>{escape(note)}</p>" for note in report["notes"]))
     body.append(_avatars(report["avatars"], report["tables"]))
     for split, table in report["tables"].items():
         body.append(_split(table, galleries[split]))
+    if driven is not None:
+        body.append(crossing_section(report["crossing"], driven))
     body.append(_made(report))
     head = f'<meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     return (
@@ -36,12 +41,15 @@ def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery]) -> str:
 
 def _lead(report: Mapping[str, Any]) -> str:
     capture = report["capture"]
+    if capture is None:
+        return ""
     counts = {table["title"].lower(): len(table["pictures"]) for table in report["tables"].values()}
     counted = " and ".join(f"{count} picture{'s' * (count > 1)} of a {title}" for title, count in counts.items())
     text = (
         f"{capture['subject']}, {capture['size']}. Judged on {counted}, the same pictures for all, the capture's"
         " background included. GEMs are fitted to pictures of the same moment from other cameras than the"
-        " judged one's; CNNs are driven by the tracked mesh. The paper's figures are of another data set."
+        " judged one's; runs are driven by what the capture tracked at the judged moment. The paper's figures are of"
+        " another data set."
     )
     return f"<p>{escape(text)}</p>"
 
@@ -59,10 +67,12 @@ def _avatars(avatars: Sequence[Mapping[str, Any]], tables: Mapping[str, Any]) ->
             f"{avatar['megabytes']:.2f}",
             escape(avatar["driven_by"]),
             f"{max(known):.2f}" if known else "-",
+            "-" if avatar["steps"] is None else f"{avatar['steps']:,}",
+            "-" if avatar["seconds"] is None else f"{avatar['seconds']:,.0f}",
             escape(avatar["source"]),
         ]
         rows.append(_row(cells))
-    heads = ("", "kind", "splats", "components", "file, MB", "driven by", "s a fit", "made of")
+    heads = ("", "kind", "splats", "components", "file, MB", "driven by", "s a fit", "steps", "s in all", "made of")
     return f"<h2>Avatars</h2><div class='avatars'>{_table(heads, rows)}</div>"
 
 

@@ -13,7 +13,7 @@ from ...models.metrics.tables import DATA_SET, PUBLISHED
 if TYPE_CHECKING:
     from ...models.train.ledger import Record
 
-VERSION = 1
+VERSION = 2
 TITLES = {"val": "Novel view", "test": "Novel expression"}
 ABOUT = {
     "val": "a camera that was held out, at moments that were learned from (Table 1 of the paper)",
@@ -28,16 +28,20 @@ class Column:
 
     name: str
     kind: str
-    """GEM or CNN."""
+    """GEM, or what model a run is: CNN, mesh-rigged, blendshapes."""
     driven_by: str
     sha256: str
     """Of its file; of a run's checkpoint."""
     splats: int
     components: int | None
-    """Stored, of the largest basis; None for a CNN."""
+    """Stored, of the largest basis; None for a run."""
     megabytes: float
     source: str
     """What the avatar says it was made of."""
+    steps: int | None = None
+    """That a run was trained for ..."""
+    seconds: float | None = None
+    """... and how long they took by the clock of whatever machine it was."""
 
 
 def split_table(
