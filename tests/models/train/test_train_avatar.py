@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import pytest
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 import toycapture  # noqa: E402
+from checkpoints import assert_identical  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
 from gemheads.models.train.deck import Deck, frontal, spaced  # noqa: E402
@@ -42,25 +42,6 @@ def trained(capture: Capture, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("run")
     train_avatar(capture, folder, BRIEF, Perceptual(TINY))
     return folder
-
-
-def flat(value: object) -> Iterator[tuple[str, "torch.Tensor"]]:
-    """Every tensor of a checkpoint, and every number as one."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from ((f"{key}.{name}", tensor) for name, tensor in flat(inner))
-    elif isinstance(value, list):
-        yield from flat(dict(enumerate(value)))
-    elif isinstance(value, torch.Tensor | int | float):
-        yield "", torch.as_tensor(value)
-
-
-def assert_identical(first: Path, second: Path) -> None:
-    one, two = (dict(flat(read_checkpoint(folder))) for folder in (first, second))
-    assert one.keys() == two.keys()
-    assert len(one) > 50
-    for name, tensor in one.items():
-        assert torch.equal(tensor, two[name]), name
 
 
 def test_thirty_steps_learn(trained: Path) -> None:
