@@ -3,9 +3,9 @@
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib import metadata
+from importlib import import_module, metadata
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +19,14 @@ from .entrants import Entrant, entrants
 from .errors import ExitCode, InputError, OutputError, UsageError
 from .evaluation.page import page
 from .evaluation.summary import VERSION, about_capture, columns_json
-from .judging import Judged, Lpips, held_out_shots, judge_on
+from .judging import Judged, Lpips, held_out_shots, judge_on, seated
 from .opencapture import opened
 from .progress import ProgressBar
 from .reports import versions
+from .sizing import Sizes, check_sizes, judge_sizes
 
 MOST_SHOTS = 1_000_000
+MOST_JOBS = 256
 JUDGED = "judged"
 """Folder in the report with what is not done again."""
 PAGE, FIGURES = "report.html", "report.json"
@@ -39,8 +41,12 @@ class EvaluateWish:
     shots: int | None = 24
     """Of each split; None takes all."""
     lpips: Lpips = "vgg"
-    crossing: CrossingWish = CrossingWish()
+    crossing: CrossingWish = field(default_factory=CrossingWish)
     """By whom they are driven."""
+    components: tuple[int, ...] = ()
+    """With how many of its components each GEM is judged, too."""
+    jobs: int | None = None
+    """How many processes judge; None: as many as are worth it."""
 
 
 def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateWish) -> ExitCode:
@@ -53,17 +59,21 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
     shots = {} if footage is None else held_out_shots(footage, wish.shots)
     columns = entrants(avatar, wish.against, footage)
     drivers = opened_drivers(wish.crossing.drivers)
-    judged, crossing = Judged({}, [], {}), None
+    check_sizes(wish.components, columns)
+    judged, sizes, crossing = Judged({}, [], {}), None, None
     try:
+        (out / JUDGED).mkdir(parents=True, exist_ok=True)  # before hours are spent on what cannot be kept
         with ProgressBar() as bar:
             if footage is not None:
-                judged = judge_on(footage, shots, columns, wish.lpips, out / JUDGED, bar)
+                with seated(footage, shots, wish.lpips, wish.jobs, out / JUDGED, bar) as jury:
+                    judged = judge_on(jury, columns)
+                    sizes = judge_sizes(jury, columns, wish.components) if wish.components else None
             if drivers:
                 crossing = cross(drivers, columns, wish.crossing, out / JUDGED, bar)
         about = None if footage is None else about_capture(footage)
-        report = _report(about, columns, judged, crossing)
+        report = _report(about, columns, judged, sizes, crossing)
         write_whole(out / FIGURES, [(json.dumps(report, indent=1) + "\n").encode()])
-        write_whole(out / PAGE, [page(report, judged.galleries, crossing and crossing.shown).encode()])
+        write_whole(out / PAGE, [_page(report, judged, sizes, crossing).encode()])
     except CaptureError as error:
         raise InputError(str(error)) from error
     except OSError as error:
@@ -71,7 +81,7 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
     except KeyboardInterrupt:
         print(f"{out}: stopped; what is judged is kept, the same command goes on")
         return ExitCode.INTERRUPTED
-    print(_told(out, report, crossing))
+    print(_told(out, report, sizes, crossing))
     return ExitCode.OK
 
 
@@ -81,19 +91,31 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
         raise UsageError("nothing to judge by: give a CAPTURE, or --drivers VIDEO..., or both")
     if wish.shots is not None and not 1 <= wish.shots <= MOST_SHOTS:
         raise UsageError(f"--shots {wish.shots}: choose from 1 to {MOST_SHOTS}, or --all")
+    if wish.jobs is not None and not 1 <= wish.jobs <= MOST_JOBS:
+        raise UsageError(f"--jobs {wish.jobs}: choose from 1 to {MOST_JOBS}")
+    if wish.components and capture is None:
+        raise UsageError("--components: give a CAPTURE to judge by")
     if out.suffix in (".html", ".json"):
         raise UsageError(f"{out}: the report is a folder, such as -o {out.with_suffix('')}")
     check_crossing(wish.crossing)
     if capture is None:
         return  # drivers are judged without torch
     try:
-        from ..models.train import evaluate as _
+        import_module("..models.train.evaluate", __package__)
     except ImportError as error:
         raise InputError(f"evaluating needs {error.name}; install it: pip install 'gemheads[train]'") from error
 
 
+def _page(report: Mapping[str, Any], judged: Judged, sizes: Sizes | None, crossing: Crossing | None) -> str:
+    return page(report, judged.galleries, sizes and sizes.gallery, crossing and crossing.shown)
+
+
 def _report(
-    capture: dict[str, Any] | None, columns: Sequence[Entrant], judged: Judged, crossing: Crossing | None
+    capture: dict[str, Any] | None,
+    columns: Sequence[Entrant],
+    judged: Judged,
+    sizes: Sizes | None,
+    crossing: Crossing | None,
 ) -> dict[str, Any]:
     """What report.json holds."""
     return {
@@ -105,16 +127,18 @@ def _report(
         "avatars": columns_json([entrant.column for entrant in columns]),
         "tables": judged.tables,
         "notes": judged.notes,
+        **({} if sizes is None else {"sizes": sizes.figures}),
         **({} if crossing is None else {"crossing": crossing.figures}),
     }
 
 
-def _told(out: Path, report: Mapping[str, Any], crossing: Crossing | None) -> str:
+def _told(out: Path, report: Mapping[str, Any], sizes: Sizes | None, crossing: Crossing | None) -> str:
     lines = []
     for table in report["tables"].values():
         for name, means in table["means"].items():
             told = ", ".join(f"{m} {v:.{DIGITS[m]}f}" for m, v in means.items() if v is not None)
             lines.append(f"{table['title']}, {name}: {told} ({len(table['pictures'])} pictures)")
+    lines += [] if sizes is None else sizes.said
     lines += [] if crossing is None else crossing.said
     return "\n".join([*lines, *report["notes"], f"{out / PAGE}, {out / FIGURES}"])
 

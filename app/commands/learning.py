@@ -130,6 +130,8 @@ def evaluate(
     shots: int = 24,
     everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
     lpips: Literal["vgg", "alex", "none"] = "vgg",
+    components: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
+    jobs: int | None = None,
 ) -> int:
     """Judge avatars on pictures nothing was learned from, and driven by people never seen; the same again goes on.
 
@@ -148,10 +150,14 @@ def evaluate(
         shots: How many pictures of either kind, evenly over moments and cameras.
         everything: Every picture instead.
         lpips: By which network LPIPS is measured; alex is 20 times faster, the paper has vgg.
+        components: Judge each GEM with so many of its components, too: quality, size of the file, frames a second.
+        jobs: Processes that judge, of one thread each; the figures are the same. Default: one for each core, as far
+            as the memory reaches.
     """
     from ..crossing import CrossingWish
     from ..evaluating import EvaluateWish, run_evaluating
 
     crossing = CrossingWish(tuple(drivers or ()), every, seconds)
-    wish = EvaluateWish(tuple(against or ()), None if everything else shots, lpips, crossing)
+    counts, number = tuple(components or ()), None if everything else shots
+    wish = EvaluateWish(tuple(against or ()), number, lpips, crossing, counts, jobs)
     return run_evaluating(avatar, capture, out, wish)

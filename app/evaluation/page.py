@@ -5,20 +5,28 @@ from html import escape
 from typing import Any
 
 from ...models.metrics.tables import DIGITS, LARGER_IS_BETTER
-from .crossing import CrossingPictures, crossing_section
+from .crossing import crossing_section
+from .crossingpictures import CrossingPictures
 from .curves import color_of, curve_svg
 from .pictures import Gallery
+from .sizessection import sizes_section
 from .style import STYLE
 
 POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 
 
-def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery], driven: CrossingPictures | None = None) -> str:
+def page(
+    report: Mapping[str, Any],
+    galleries: Mapping[str, Gallery],
+    sized: Gallery | None = None,
+    driven: CrossingPictures | None = None,
+) -> str:
     """The whole file.
 
     Args:
         report: what report.json holds.
         galleries: split -> its pictures.
+        sized: pictures of GEMs with fewer components, where these were judged.
         driven: pictures of drivers and avatars, where drivers were given.
     """
     capture = report["capture"]
@@ -29,6 +37,8 @@ def page(report: Mapping[str, Any], galleries: Mapping[str, Gallery], driven: Cr
     body.append(_avatars(report["avatars"], report["tables"]))
     for split, table in report["tables"].items():
         body.append(_split(table, galleries[split]))
+    if sized is not None:
+        body.append(sizes_section(report["sizes"], sized))
     if driven is not None:
         body.append(crossing_section(report["crossing"], driven))
     body.append(_made(report))

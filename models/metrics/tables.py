@@ -1,6 +1,7 @@
-"""What tables hold, and the paper's own: Tables 1, 2 and 3 of *Gaussian Eigen Models for Human Heads*."""
+"""What tables hold, and the paper's own: Tables 1 to 4 of *Gaussian Eigen Models for Human Heads*."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 METRICS = ("PSNR", "SSIM", "LPIPS", "L1", "FLIP")
 """PSNR in decibels; the others have no unit."""
@@ -31,3 +32,38 @@ CROSSING: Mapping[str, Mapping[str, float]] = {
     "INSTA": {"cosine": 0.9087, "l1": 6.3153, "frechet": 0.5299, "fps": 20.62},
 }
 """Method -> column -> value of Table 3 (cross-reenactment)."""
+
+
+@dataclass(frozen=True)
+class PublishedSize:
+    """One row of Table 4."""
+
+    method: str
+    maps: int
+    """Texels along a side of the UV maps."""
+    components: int | None
+    psnr: float
+    """Decibels, of about 1000 frames of one person from a novel view."""
+    megabytes: float
+    fps: float
+
+
+SIZES_OF = "one person of NeRSemble from a novel view, on an A100: another data set and another machine"
+SIZES = (
+    PublishedSize("GEM", 128, 10, 31.81, 7, 237.96),
+    PublishedSize("GEM", 128, 30, 34.20, 20, 241.31),
+    PublishedSize("GEM", 128, 50, 34.67, 34, 238.7),
+    PublishedSize("GEM", 256, 10, 31.88, 28, 210.03),
+    PublishedSize("GEM", 256, 30, 34.17, 83, 208.19),
+    PublishedSize("GEM", 256, 50, 34.61, 138, 201.70),
+    PublishedSize("GEM", 512, 10, 32.23, 113, 130.46),
+    PublishedSize("GEM", 512, 30, 34.84, 333, 112.73),
+    PublishedSize("GEM", 512, 50, 35.45, 553, 117.45),
+    PublishedSize("CNN", 128, None, 33.97, 82, 47.70),
+    PublishedSize("CNN", 256, None, 34.99, 109, 35.77),
+    PublishedSize("CNN", 512, None, 35.02, 178, 26.31),
+    PublishedSize("Animatable Gaussians", 128, None, 33.77, 487, 18.93),
+    PublishedSize("Animatable Gaussians", 256, None, 34.40, 529, 16.51),
+    PublishedSize("Animatable Gaussians", 512, None, 35.15, 636, 13.08),
+)
+"""Table 4 (components and map sizes)."""

@@ -151,7 +151,7 @@ class Shared:
         return self.crew.records(self.avatar, self.opens, moments)
 
 
-class _deaf:  # noqa: N801
+class _deaf:
     """Processes started in here do not hear Ctrl-C, which a terminal tells all: their parent decides."""
 
     def __enter__(self) -> None:

@@ -59,19 +59,6 @@ def judged(contestant: Contestant, stage: Stage, judge: Judge, moment: Moment) -
         yield key, record
 
 
-def evaluate(
-    contestant: Contestant,
-    capture: Capture,
-    shots: Shots,
-    judge: Judge,
-    ledger: Ledger,
-    keys: ShotKeys,
-    progress: Callable[[], None] = lambda: None,
-) -> dict[str, list[Record]]:
-    """``fill`` by this process alone."""
-    return fill(Alone(contestant, capture, judge), shots, ledger, keys, progress)
-
-
 def fill(
     judging: Judging, shots: Shots, ledger: Ledger, keys: ShotKeys, progress: Callable[[], None] = lambda: None
 ) -> dict[str, list[Record]]:

@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 from ..metrics.flip import flip_map
 from ..metrics.pixels import l1, psnr
 from ..metrics.structure import ssim
+from . import perceptual
 from .perceptual import Perceptual
+from .runs import default_device
 
 Floats = NDArray[np.float32]
 
@@ -19,6 +21,14 @@ class Judge:
         """``network`` judges LPIPS; None leaves it out. ``device`` is where the network is."""
         self._network = network
         self._device = device or torch.device("cpu")
+
+    @classmethod
+    def by(cls, network: str | None) -> "Judge":
+        """LPIPS by "vgg" or "alex", where pictures are drawn; None leaves it out. Raises WeightsMissing."""
+        if network is None:
+            return cls(None)
+        device = default_device()
+        return cls(perceptual.Perceptual(network, device), device)
 
     @property
     def lpips_by(self) -> str | None:
