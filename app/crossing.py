@@ -1,30 +1,29 @@
 """``evaluate --drivers``: avatars driven by people they never saw, and compared with them (Table 3 of the paper)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..models.crossing.clip import Clip
 from ..models.crossing.compare import Compared, compare, relative_embeddings
 from ..models.crossing.embedding import Floats, agreement
 from ..models.crossing.kept import Kept
-from ..models.crossing.loop import Echo, Express, echo
-from ..models.crossing.mirror import Mirror, UnseenAvatar
-from .casting import Avatar, Driving, expression_of, open_avatar
-from .drivers import Driver
+from ..models.crossing.loop import Echo, echo
+from ..models.crossing.mirror import UnseenAvatar
+from ..models.crossing.turning import Turned
+from .drivers import Driver, Tracked
 from .entrants import Entrant
 from .errors import InputError, UsageError
-from .evaluation.crossing import CrossingPictures
-from .evaluation.crossingfigures import WORDS, Row, crossing_json, crossing_said
-from .opencapture import is_run
+from .evaluation.crossingfigures import Row, crossing_json, crossing_said
+from .evaluation.crossingpictures import CrossingPictures
 from .progress import ProgressBar
+from .robustness import robustness, turning_heads
+from .trials import SIZE, WORDS, Trial, trials
 
-SIZE = 384
-"""Side of an avatar's picture, pixels."""
 MOST_EVERY, MOST_SECONDS = 1000, 3600.0
 FOLDER = "crossing"
 """In the folder with what is not done again."""
@@ -69,82 +68,59 @@ def cross(
     Raises InputError where nothing drives any avatar, NoFaceError for a driver without a face, OSError.
     """
     kept = Kept(folder / FOLDER)
-    clips: dict[str, Clip] = {}
+    clips: list[Tracked] = []
     for driver in drivers:
         bar.begin(f"{driver.name}: tracking", None)
-        clips[driver.name] = driver.tracked(wish.every, wish.seconds, kept)
-    pictures = CrossingPictures(clips)
+        clips.append(driver.tracked(wish.every, wish.seconds, kept))
+    pictures = CrossingPictures({tracked.name: tracked.clip for tracked in clips})
     rows: list[Row] = []
     notes: list[str] = []
     for entrant in columns:
-        if is_run(entrant.path):
-            notes.append(f"{entrant.column.name} is a run, which a face cannot drive; distill makes a .gem of it.")
-            continue
-        avatar = open_avatar(entrant.path)
-        stage = _Stage(entrant.column.name, avatar, Mirror(avatar.gem, SIZE), wish, kept, bar)
         try:
-            for driving, express in _drivings(avatar, entrant.column.name, notes):
-                rows.append(_row(stage, driving, express, drivers, clips, pictures))
+            tried = trials(entrant, notes)
+            if tried:
+                bar.begin(f"{entrant.column.name}: turning the head", None)
+                heads = turning_heads(entrant, kept)
+                rows += [_row(trial, clips, heads, pictures, kept, bar) for trial in tried]
         except UnseenAvatar as error:
             notes.append(f"{entrant.column.name} is left out: {error}.")
     if not rows:
         raise InputError(" ".join(notes))
-    figures = crossing_json(rows, drivers, clips, SIZE, wish.every, wish.seconds, notes)
+    figures = crossing_json(rows, clips, SIZE, wish.every, wish.seconds, notes)
     return Crossing(figures, pictures, crossing_said(figures))
 
 
-@dataclass(frozen=True)
-class _Stage:
-    """Where an avatar is driven."""
-
-    name: str
-    avatar: Avatar
-    mirror: Mirror
-    wish: CrossingWish
-    kept: Kept
-    bar: ProgressBar
-
-
-def _drivings(avatar: Avatar, name: str, notes: list[str]) -> list[tuple[Driving, Express]]:
-    """What drives an avatar: its regressor, and always the baseline where it knows ARKit shapes."""
-    found: list[tuple[Driving, Express]] = []
-    if avatar.gem.regressor is not None:
-        found.append(("learned", expression_of(avatar, "learned")))
-    if avatar.gem.arkit_weights is not None:
-        found.append(("baseline", expression_of(avatar, "baseline")))
-    if not found:
-        notes.append(f"{name} is left out: it has neither a regressor nor ARKit shapes, so no face can drive it.")
-    elif len(found) == 1:
-        which = "regressor: only the baseline drives it" if avatar.gem.regressor is None else "ARKit shapes: no baseline"
-        notes.append(f"{name} has no {which}.")
-    return found
-
-
 def _row(
-    stage: _Stage,
-    driving: Driving,
-    express: Express,
-    drivers: Sequence[Driver],
-    clips: Mapping[str, Clip],
+    trial: Trial,
+    clips: Sequence[Tracked],
+    heads: Mapping[str, Turned],
     pictures: CrossingPictures,
+    kept: Kept,
+    bar: ProgressBar,
 ) -> Row:
     """All drivers through one avatar by one way of driving; only figures and the pictures of the page stay."""
+    who = f"{trial.avatar}, {WORDS[trial.driving]}"
+
+    def begin(what: str, parts: int) -> Callable[[], None]:
+        bar.begin(f"{who}, {what}", parts)
+        return bar.advance
+
     compared: dict[str, Compared] = {}
     steps: list[float] = []
+    coefficients: list[NDArray[np.float32]] = []
     embeddings: list[tuple[Floats, Floats]] = []
-    for driver in drivers:
-        clip = clips[driver.name]
-        stage.bar.begin(f"{stage.name}, {WORDS[driving]}, {driver.name}", len(clip.readings))
-        made_of = [*driver.made_of(stage.wish.every, stage.wish.seconds), stage.avatar.sha256, driving, SIZE]
-        shown = stage.kept.get(
-            "echo", made_of, Echo, partial(echo, clip, express, stage.mirror, progress=stage.bar.advance)
-        )
-        compared[driver.name] = compare(clip, shown)
+    for tracked in clips:
+        clip = tracked.clip
+        advance = begin(tracked.name, len(clip.readings))
+        made = partial(echo, clip, trial.express, trial.mirror, progress=advance)
+        shown = kept.get("echo", [*tracked.made_of, *trial.made_of], Echo, made)
+        found = compare(clip, shown)
+        compared[tracked.name] = found
         steps.append(shown.step_secs)
-        if compared[driver.name].agreement is not None:
+        coefficients.append(shown.coefficients)
+        if found.agreement is not None:
             embeddings.append(relative_embeddings(clip, shown))
-        pictures.add(driver.name, stage.name, WORDS[driving], shown, compared[driver.name])
-    pooled = None
-    if embeddings:
-        pooled = agreement(*(np.concatenate(part) for part in zip(*embeddings, strict=True)))
-    return Row(stage.name, WORDS[driving], compared, pooled, float(np.median(steps)))
+        pictures.add(tracked.name, trial.avatar, WORDS[trial.driving], shown, found)
+    pooled = agreement(*(np.concatenate(part) for part in zip(*embeddings, strict=True))) if embeddings else None
+    steady = robustness(trial, clips, coefficients, heads, kept, begin)
+    return Row(trial.avatar, WORDS[trial.driving], compared, pooled, float(np.median(steps)), steady)

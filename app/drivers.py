@@ -8,6 +8,7 @@ from pathlib import Path
 from ..models.crossing.clip import Clip, UnseenDriver, track_clip
 from ..models.crossing.kept import Kept
 from ..models.crossing.reading import Image
+from ..models.crossing.still import Still, hold_still
 from ..models.driver.features import FEATURE_VERSION
 from ..models.wholefile import file_sha256
 from .errors import InputError, NoFaceError, UsageError
@@ -27,18 +28,37 @@ class Driver:
         """Pictures and times in seconds. Raises InputError."""
         return ((frame.rgb, frame.seconds) for frame in self.source.frames())
 
-    def made_of(self, every: int, seconds: float) -> list[object]:
-        """What its readings depend on."""
-        return [self.sha256, every, seconds, FEATURE_VERSION]
-
-    def tracked(self, every: int, seconds: float, kept: Kept) -> Clip:
+    def tracked(self, every: int, seconds: float, kept: Kept) -> "Tracked":
         """The clip as readings. Raises InputError, NoFaceError when too few frames show a face, OSError."""
+        made_of = [self.sha256, every, seconds, FEATURE_VERSION]
         try:
-            return kept.get(
-                "clip", self.made_of(every, seconds), Clip, lambda: track_clip(self.frames(), every, seconds)
-            )
+            clip = kept.get("clip", made_of, Clip, lambda: track_clip(self.frames(), every, seconds))
         except UnseenDriver as error:
-            raise NoFaceError(f"{self.source.path}: {error}; give a longer clip of a face, or a smaller --every") from error
+            cure = "give a longer clip that shows a face, or a smaller --every"
+            raise NoFaceError(f"{self.source.path}: {error}; {cure}") from error
+        return Tracked(self, clip, made_of)
+
+
+@dataclass(frozen=True)
+class Tracked:
+    """A driver and what was read off him."""
+
+    driver: Driver
+    clip: Clip
+    made_of: list[object]
+    """What the readings depend on."""
+
+    @property
+    def name(self) -> str:
+        """The driver's."""
+        return self.driver.name
+
+    def still(self, kept: Kept) -> Still | None:
+        """At his neutral under a webcam's noise; None where the tracker loses him there. Raises InputError, OSError."""
+        try:
+            return kept.get("still", self.made_of, Still, lambda: hold_still(self.clip, self.driver.frames()))
+        except UnseenDriver:
+            return None
 
 
 def opened_drivers(words: Sequence[str]) -> list[Driver]:
@@ -51,7 +71,7 @@ def opened_drivers(words: Sequence[str]) -> list[Driver]:
         source = open_source(word)
         sha256 = _sha256(source)
         if any(other.sha256 == sha256 for other in drivers):
-            raise UsageError(f"--drivers {word}: is given twice")
+            raise UsageError(f"--drivers {word}: is given twice; each driver is one column")
         drivers.append(Driver(_name(source.path, {other.name for other in drivers}), source, sha256))
     return drivers
 

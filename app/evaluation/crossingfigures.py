@@ -8,17 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.crossing.channels import CHANNELS, SCORE_CHANNELS
-from ...models.crossing.clip import Clip
 from ...models.crossing.compare import Compared
 from ...models.crossing.embedding import Agreement
+from ...models.crossing.turning import GOAL, PITCH_DEG, YAW_DEG
 from ...models.metrics.tables import CROSSING, CROSSING_BY
-from ..casting import Driving
 
 if TYPE_CHECKING:
-    from ..drivers import Driver
+    from ..drivers import Tracked
+    from ..robustness import Robustness
 
-WORDS: Mapping[Driving, str] = {"learned": "regressor", "baseline": "baseline"}
-"""What drives, as tables call it."""
+JUDGED = [channel.name for channel in SCORE_CHANNELS]
+"""Channels that have a goal."""
 
 
 @dataclass(frozen=True)
@@ -27,35 +27,30 @@ class Row:
 
     avatar: str
     driving: str
-    """One of WORDS."""
+    """regressor or baseline."""
     compared: Mapping[str, Compared]
     """Driver -> how well the avatar followed."""
     pooled: Agreement | None
     """Of the embeddings of all drivers; None where the avatar was hardly seen."""
     step_secs: float
     """Median over drivers of a reenactment step without tracking."""
+    robustness: "Robustness"
 
 
 def crossing_json(
-    rows: Sequence[Row],
-    drivers: Sequence["Driver"],
-    clips: Mapping[str, Clip],
-    size: int,
-    every: int,
-    seconds: float,
-    notes: Sequence[str],
+    rows: Sequence[Row], clips: Sequence["Tracked"], size: int, every: int, seconds: float, notes: Sequence[str]
 ) -> dict[str, Any]:
-    """The part of report.json."""
-    tracking = float(np.median([clip.tracking_secs for clip in clips.values()]))
+    """The part of report.json. ``size`` is the side of the avatars' pictures in pixels."""
+    tracking = float(np.median([tracked.clip.tracking_secs for tracked in clips]))
     return {
         "every": every,
         "seconds": seconds,
         "size": size,
         "channels": [
-            {"name": c.name, "goal": c.goal, "floor": c.floor, "second_opinion": c not in SCORE_CHANNELS}
-            for c in CHANNELS
+            {"name": c.name, "goal": c.goal, "floor": c.floor, "second_opinion": c.goal is None} for c in CHANNELS
         ],
-        "drivers": [_driver_json(driver, clips[driver.name]) for driver in drivers],
+        "pose_leak": {"goal": GOAL, "yaw_deg": YAW_DEG, "pitch_deg": PITCH_DEG},
+        "drivers": [_driver_json(tracked) for tracked in clips],
         "tracking_ms": round(1000 * tracking, 2),
         "rows": [_row_json(row, tracking) for row in rows],
         "published": {name: dict(values) for name, values in CROSSING.items()},
@@ -65,7 +60,7 @@ def crossing_json(
 
 
 def crossing_said(figures: Mapping[str, Any]) -> list[str]:
-    """A line for each row."""
+    """Lines for the terminal: one for each row, then the notes."""
     lines = []
     for row in figures["rows"]:
         told = ", ".join(f"{name} {value:.2f}" for name, value in row["median"].items() if value is not None)
@@ -73,48 +68,81 @@ def crossing_said(figures: Mapping[str, Any]) -> list[str]:
     return [*lines, *figures["notes"]]
 
 
-def _driver_json(driver: "Driver", clip: Clip) -> dict[str, Any]:
+def _driver_json(tracked: "Tracked") -> dict[str, Any]:
+    clip = tracked.clip
     return {
-        "name": driver.name,
-        "sha256": driver.sha256,
+        "name": tracked.name,
+        "sha256": tracked.driver.sha256,
         "frames": len(clip.readings),
         "without_face": clip.lost,
         "neutral_seconds": round(clip.neutral_time, 3),
         "neutral": clip.reason,
+        "other_neutrals": len(clip.others),
     }
 
 
 def _row_json(row: Row, tracking_secs: float) -> dict[str, Any]:
     correlation = np.stack([compared.likeness.correlation for compared in row.compared.values()])
-    names = [channel.name for channel in SCORE_CHANNELS]
-    median = {name: _median(correlation[:, i]) for i, name in enumerate(names)}
-    met = {
-        channel.name: None if median[channel.name] is None else bool((median[channel.name] or 0) >= (channel.goal or 0))
-        for channel in SCORE_CHANNELS
-    }
+    median = _medians(correlation[:, : len(JUDGED)])
     return {
         "avatar": row.avatar,
         "driving": row.driving,
         "median": median,
-        "met": met,
+        "met": {channel.name: _met(median[channel.name], channel.goal) for channel in SCORE_CHANNELS},
         "embedding": _agreement_json(row.pooled),
         "step_ms": round(1000 * row.step_secs, 2),
         "fps": round(1 / row.step_secs, 1),
         "fps_with_tracking": round(1 / (row.step_secs + tracking_secs), 1),
+        "robustness": _robustness_json(row.robustness),
         "drivers": {name: _compared_json(compared) for name, compared in row.compared.items()},
     }
 
 
 def _compared_json(compared: Compared) -> dict[str, Any]:
     likeness = compared.likeness
+    by_channel = asdict(likeness)
     names = [channel.name for channel in CHANNELS]
     return {
-        "correlation": dict(zip(names, _plain(likeness.correlation), strict=True)),
-        "amplitude": dict(zip(names, _plain(likeness.amplitude), strict=True)),
-        "unrest": dict(zip(names, _plain(likeness.unrest), strict=True)),
+        **{kind: dict(zip(names, map(_plain, values), strict=True)) for kind, values in by_channel.items()},
         "embedding": _agreement_json(compared.agreement),
         "unseen": compared.unseen,
         "worst": [asdict(worst) for worst in compared.worst],
+    }
+
+
+def _robustness_json(found: "Robustness") -> dict[str, Any]:
+    size = max(found.expression, 1e-9)
+    jitters, spreads = list(found.jitter.values()), np.stack(list(found.correlations.values()))
+    return {
+        "expression_sigma": _plain(found.expression),
+        "jitter": {
+            "raw_sigma": _median([jitter.raw for jitter in jitters]),
+            "smoothed_sigma": _median([jitter.smoothed for jitter in jitters]),
+            "drivers": {name: asdict(jitter) for name, jitter in found.jitter.items()},
+        },
+        "pose_leak": {
+            head: {
+                "yaw_sigma": _plain(leak.at_yaw),
+                "all_sigma": _plain(leak.all),
+                "yaw_ratio": _plain(leak.at_yaw / size),
+                "all_ratio": _plain(leak.all / size),
+                "met": leak.at_yaw <= GOAL * size,
+            }
+            for head, leak in found.leaks.items()
+        },
+        "neutrals": {
+            "count": dict(found.neutrals),
+            "correlation_spread": _medians(spreads[:, : len(JUDGED)]),
+            "mean_sigma": _median(list(found.means.values())),
+            "mean_ratio": _median([spread / size for spread in found.means.values()]),
+            "drivers": {
+                name: {
+                    "correlation_spread": dict(zip(JUDGED, map(_plain, spread[: len(JUDGED)]), strict=True)),
+                    "mean_sigma": _plain(found.means[name]),
+                }
+                for name, spread in found.correlations.items()
+            },
+        },
     }
 
 
@@ -122,10 +150,20 @@ def _agreement_json(found: Agreement | None) -> dict[str, float] | None:
     return None if found is None else {name: round(value, 5) for name, value in asdict(found).items()}
 
 
-def _plain(values: NDArray[np.floating]) -> list[float | None]:
-    return [None if np.isnan(value) else round(float(value), 4) for value in values]
+def _met(value: float | None, goal: float | None) -> bool | None:
+    return None if value is None or goal is None else value >= goal
 
 
-def _median(values: NDArray[np.floating]) -> float | None:
-    known = values[~np.isnan(values)]
-    return round(float(np.median(known)), 4) if len(known) else None
+def _medians(values: NDArray[np.floating]) -> dict[str, float | None]:
+    """JUDGED channel -> median over the drivers [drivers, channels] that move it."""
+    return {name: _median(values[:, i].tolist()) for i, name in enumerate(JUDGED)}
+
+
+def _median(values: Sequence[float]) -> float | None:
+    known = [value for value in values if not np.isnan(value)]
+    return _plain(float(np.median(known))) if known else None
+
+
+def _plain(value: float) -> float | None:
+    """Four digits behind the point; None for what is not a number."""
+    return None if np.isnan(value) else round(float(value), 4)

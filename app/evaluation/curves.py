@@ -17,10 +17,18 @@ def color_of(index: int) -> str:
     return COLORS[index % len(COLORS)]
 
 
-def curve_svg(title: str, series: Mapping[str, Sequence[float | None]], labels: Sequence[str], digits: int) -> str:
+def curve_svg(
+    title: str,
+    series: Mapping[str, Sequence[float | None]],
+    labels: Sequence[str],
+    digits: int,
+    colors: Sequence[str] = COLORS,
+    dots: bool = True,
+) -> str:
     """An SVG of one metric: a line for each name, a dot for each picture with its label and value under the pointer.
 
-    Pictures that were not measured are left out of their line. Empty text where nothing was.
+    Pictures that were not measured are left out of their line. Empty text where nothing was. Without ``dots`` there are
+    lines alone, which hundreds of pictures need. ``colors`` of the lines come in turn.
     """
     known = [value for values in series.values() for value in values if value is not None]
     if not known:
@@ -45,9 +53,9 @@ def curve_svg(title: str, series: Mapping[str, Sequence[float | None]], labels: 
     for index, name in enumerate(series):
         points = [(i, v) for i, v in enumerate(series[name]) if v is not None]
         path = " ".join(f"{across(i):.1f},{down(v):.1f}" for i, v in points)
-        color = color_of(index)
+        color = colors[index % len(colors)]
         parts.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="1.5" opacity=".75"/>')
-        for i, v in points:
+        for i, v in points if dots else ():
             told = f"{escape(name)}, {escape(labels[i])}: {v:.{digits}f}"
             where = f'cx="{across(i):.1f}" cy="{down(v):.1f}"'
             parts.append(f'<circle {where} r="3" fill="{color}"><title>{told}</title></circle>')

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..driver.face import FaceObservation, FaceTracker
-from ..driver.neutral import NeutralChoice, choose_neutral
+from ..driver.neutral import NeutralChoice, choose_neutral, other_neutrals
 from .album import Album, bound, face_square, packed
 from .reading import Array, Image, Reading, Readings, read, stacked
 
@@ -16,6 +16,8 @@ MOST_FRAMES = 3000
 """Of a clip: 40 MB of readings and pictures."""
 FEWEST_FRAMES = 8
 """Fewer say nothing about how two things move together."""
+OTHERS = 10
+"""Neutrals that are tried beside the chosen one."""
 
 
 class UnseenDriver(ValueError):
@@ -34,6 +36,8 @@ class Clip:
     """Seconds."""
     reason: str
     """Why this neutral."""
+    others: NDArray[np.int64]
+    """[at most OTHERS] frames that might have been chosen as well, the best first."""
     pictures: Album
     """[F] faces."""
     lost: int
@@ -85,6 +89,7 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         neutral=_neutral(readings, choice),
         neutral_time=choice.time,
         reason=choice.reason,
+        others=np.array([other.index for other in other_neutrals(faces, times, OTHERS)], np.int64),
         pictures=bound(pictures),
         lost=lost,
         tracking_secs=float(np.median(spent)),

@@ -16,6 +16,8 @@ FEWEST_SEEN = 3
 WORST = 8
 """Frames that are shown of each driver."""
 WORST_APART_SECS = 0.4
+STILL_FLOORS = 3.0
+"""What a driver does not do, his avatar should not do either: movement there is counted in so many floors."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,8 @@ class Likeness:
     """[channels] the same of second differences over time, each over its range."""
     driver_std: Array
     """[channels]"""
+    avatar_std: Array
+    """[channels]"""
 
 
 @dataclass(frozen=True)
@@ -42,9 +46,9 @@ class Worst:
     channel: str | None
     """In what most; None where the tracker saw no face on the avatar."""
     driver: float
-    """What the driver does there, in standard deviations of his own over the clip ..."""
+    """What the driver does there, away from his mean over the clip, in his own standard deviations ..."""
     avatar: float
-    """... and the avatar, in its own."""
+    """... and the avatar, in its own; in units of STILL_FLOORS for both where the driver does not move the channel."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,8 @@ def compare(clip: Clip, shown: Echo) -> Compared:
 
 def likeness(driver: Array, avatar: Array) -> Likeness:
     """Of two tables [F, channels] of the same frames, FEWEST_SEEN or more."""
-    return Likeness(correlations(driver, avatar), amplitudes(driver, avatar), unrests(driver, avatar), driver.std(0))
+    unrest = unrests(driver, avatar)
+    return Likeness(correlations(driver, avatar), amplitudes(driver, avatar), unrest, driver.std(0), avatar.std(0))
 
 
 def relative_embeddings(clip: Clip, shown: Echo) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -96,10 +101,10 @@ def relative_embeddings(clip: Clip, shown: Echo) -> tuple[NDArray[np.float32], N
 
 
 def worst_frames(times: Array, seen: NDArray[np.bool_], driver: Array, avatar: Array) -> tuple[Worst, ...]:
-    """The frames that disagree most in any one channel that the driver moves, apart in time, the worst first.
+    """The frames that disagree most in any one channel, apart in time, the worst first.
 
-    Channels are compared by standard deviations from their own means, as correlation does; those that stand still on
-    the avatar count as at their mean. Frames in which the avatar was not seen come before all others.
+    Channels are compared by standard deviations from their own means, as correlation does; those that the driver does
+    not move by STILL_FLOORS. Frames in which the avatar was not seen come before all others.
 
     Args:
         times: [F] seconds.
@@ -111,8 +116,9 @@ def worst_frames(times: Array, seen: NDArray[np.bool_], driver: Array, avatar: A
     channel = np.zeros(len(times), int)
     ours = theirs = np.zeros((0, len(SCORE_CHANNELS)))
     if len(driver) >= FEWEST_SEEN:
-        ours, theirs = (_standardised(values[:, : len(SCORE_CHANNELS)]) for values in (driver, avatar))
-        difference = np.abs(ours - theirs) * moving(driver)[: len(SCORE_CHANNELS)]
+        judged = slice(len(SCORE_CHANNELS))
+        ours, theirs = (_standardised(values[:, judged], moving(driver)[judged]) for values in (driver, avatar))
+        difference = np.abs(ours - theirs)
         apart[seen], channel[seen] = difference.max(1), difference.argmax(1)
     row = np.cumsum(seen) - 1
     worst: list[Worst] = []
@@ -131,12 +137,14 @@ def worst_frames(times: Array, seen: NDArray[np.bool_], driver: Array, avatar: A
     return tuple(worst)
 
 
-def _standardised(values: Array) -> Array:
-    floors = np.array([channel.floor for channel in SCORE_CHANNELS]) / 4  # so that noise does not look like movement
-    return (values - values.mean(0)) / np.maximum(values.std(0), floors)
+def _standardised(values: Array, moved: NDArray[np.bool_]) -> Array:
+    """[S, channels] away from the mean; ``moved`` [channels] says which the driver moves."""
+    floors = np.array([channel.floor for channel in SCORE_CHANNELS])
+    scale = np.where(moved, np.maximum(values.std(0), floors / 4), STILL_FLOORS * floors)
+    return (values - values.mean(0)) / scale
 
 
 def _nothing(driver: Array) -> Likeness:
     """What an avatar that is hardly ever seen is like."""
     none = np.zeros(len(CHANNELS))
-    return Likeness(np.where(moving(driver), 0.0, np.nan), none, np.full(len(CHANNELS), np.nan), driver.std(0))
+    return Likeness(np.where(moving(driver), 0.0, np.nan), none, np.full(len(CHANNELS), np.nan), driver.std(0), none)

@@ -28,9 +28,11 @@ class Agreement:
 
 
 def agreement(driver: Floats, avatar: Floats) -> Agreement:
-    """Compares embeddings [F, E] of the same frames, each relative to its own neutral. Raises ValueError without any."""
+    """Compares embeddings [F, E] of the same frames, each relative to its own neutral. Raises ValueError for none."""
     if not len(driver) or driver.shape != avatar.shape:
-        raise ValueError(f"embeddings {list(driver.shape)} and {list(avatar.shape)}: the same frames of both are needed")
+        raise ValueError(
+            f"embeddings {list(driver.shape)} and {list(avatar.shape)}: the same frames of both are needed"
+        )
     driver, avatar = np.asarray(driver, np.float64), np.asarray(avatar, np.float64)
     a, b = _directions(driver), _directions(avatar)
     return Agreement(
@@ -44,8 +46,8 @@ def agreement(driver: Floats, avatar: Floats) -> Agreement:
 def frechet(one: Floats, other: Floats) -> float:
     """Fréchet distance between normal distributions of the means and covariances of two clouds [F, E] and [G, E].
 
-    |m - m'|^2 + tr(C + C' - 2 (C C')^(1/2)), Heusel et al. 2017. With X and X' centred and scaled so that C = X^T X, the
-    last trace is the sum of the singular values of X X'^T: no root of an E x E matrix, and exact with few frames.
+    |m - m'|^2 + tr(C + C' - 2 (C C')^(1/2)), Heusel et al. 2017. With X and X' centred and scaled so that C = X^T X,
+    the last trace is the sum of the singular values of X X'^T: no root of an E x E matrix, and exact with few frames.
     """
     x, y = (np.asarray(cloud, np.float64) for cloud in (one, other))
     apart = ((x.mean(0) - y.mean(0)) ** 2).sum()

@@ -1,4 +1,4 @@
-"""Records of arrays as files, so that a stopped evaluation goes on: whole or not there, and taken only for their key."""
+"""Records of arrays as files, so that a stopped evaluation goes on: whole or not there, taken only for their key."""
 
 import hashlib
 import json
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..wholefile import write_whole
 
-VERSION = 1
+VERSION = 2
 """Of what is read off pictures and how: another one, and all is done again."""
 SUFFIX = ".safetensors"
 Record = TypeVar("Record")

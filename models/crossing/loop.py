@@ -35,6 +35,12 @@ class Echo:
     """Median over frames of what it took to express, compose, pose and draw one."""
 
 
+def answered(express: Express, reading: Reading, neutral: Reading) -> tuple[NDArray[np.float32], Array]:
+    """What a picture of a driver with this neutral gives: coefficients [n], and the head's rotation [3] from it."""
+    rotation = relative_rotation(reading.rotation, neutral.rotation)
+    return np.asarray(express(reading.features - neutral.features, rotation), np.float32), rotation
+
+
 def echo(
     clip: Clip,
     express: Express,
@@ -55,15 +61,14 @@ def echo(
     mirror.restart()
     for i in range(len(clip.readings)):
         began = time.perf_counter()
-        rotation = relative_rotation(clip.readings.rotations[i], clip.neutral.rotation)
-        answer = express(clip.readings.features[i] - clip.neutral.features, rotation)
+        answer, rotation = answered(express, clip.readings[i], clip.neutral)
         picture = mirror.draw(answer, rotation, components)
         spent.append(time.perf_counter() - began)
         reading = mirror.read(picture)
         seen.append(reading is not None)
         if reading is not None:
             readings.append(reading)
-        coefficients.append(np.asarray(answer, np.float32))
+        coefficients.append(answer)
         pictures.append(packed(small(picture)))
         progress()
     return Echo(
@@ -74,4 +79,3 @@ def echo(
         pictures=bound(pictures),
         step_secs=float(np.median(spent)),
     )
-

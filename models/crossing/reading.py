@@ -51,9 +51,7 @@ class Readings:
 
     def only(self, chosen: NDArray[np.integer] | NDArray[np.bool_]) -> "Readings":
         """Those of some pictures, by their places or by a mask."""
-        return Readings(
-            self.features[chosen], self.rotations[chosen], self.landmarks[chosen], self.embeddings[chosen]
-        )
+        return Readings(self.features[chosen], self.rotations[chosen], self.landmarks[chosen], self.embeddings[chosen])
 
 
 def read(face: FaceObservation) -> Reading:

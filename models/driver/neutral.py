@@ -11,6 +11,8 @@ from .features import BLOCKS, SCORE_NAMES, SCORES, feature_vector, head_rotation
 from .measures import MEASURES
 
 CANDIDATES = 6
+PLAUSIBLE = 1.0
+"""A frame that costs at most this much more than the best might still be taken for the neutral."""
 _FLAW, _WEAKNESS = 0.35, 0.05
 """Penalties from which on something is wrong with a frame, and from which on it is worth a word."""
 _NEIGHBOURS = 2
@@ -90,6 +92,54 @@ def choose_neutral(
     Raises:
         ValueError: when no frame shows a face, or the lengths differ.
     """
+    faces = _weighed(observations, times)
+    costs, chosen = faces.costs, faces.ranking[0]
+    best = int(costs.argmin())
+    group = np.arange(max(0, best - _NEIGHBOURS), min(len(costs), best + _NEIGHBOURS + 1))
+    group = group[costs[group] <= costs[best] + _LIKE_THE_BEST]
+    number = chosen.index if numbers is None else numbers[chosen.index]
+    return NeutralChoice(
+        index=chosen.index,
+        time=chosen.time,
+        features=np.median(faces.features[group], axis=0).astype(np.float32),
+        rotation=np.median(faces.rotations[group], axis=0),
+        reason=_reason(chosen, faces.rotations[best], number),
+        candidates=_spread(faces.ranking, max(times) - min(times), CANDIDATES),
+    )
+
+
+def other_neutrals(
+    observations: Sequence[FaceObservation | None], times: Sequence[float], count: int
+) -> tuple[Candidate, ...]:
+    """Up to ``count`` other frames that might have been chosen as well, the best first, spread over the clip.
+
+    Their cost is at most PLAUSIBLE above that of the best. Arguments and errors are those of ``choose_neutral``.
+    """
+    ranking = _weighed(observations, times).ranking
+    plausible = [candidate for candidate in ranking if candidate.cost <= ranking[0].cost + PLAUSIBLE]
+    return _spread(plausible, max(times) - min(times), count + 1)[1:]
+
+
+def neutral_of(face: FaceObservation, index: int, time: float, reason: str) -> NeutralChoice:
+    """A neutral that somebody chose: a given frame or a picture."""
+    return NeutralChoice(index, time, feature_vector(face), head_rotation(face), reason, ())
+
+
+@dataclass(frozen=True)
+class _Weighed:
+    """The S frames with a face, in the order of time."""
+
+    features: NDArray[np.float32]
+    """[S, D]"""
+    rotations: NDArray[np.float64]
+    """[S, 3]"""
+    costs: NDArray[np.float64]
+    """[S]"""
+    ranking: list[Candidate]
+    """The best first."""
+
+
+def _weighed(observations: Sequence[FaceObservation | None], times: Sequence[float]) -> _Weighed:
     if len(observations) != len(times):
         raise ValueError(f"{len(observations)} observations with {len(times)} times")
     seen = [(i, face) for i, face in enumerate(observations) if face is not None]
@@ -104,22 +154,7 @@ def choose_neutral(
         Candidate(seen[i][0], times[seen[i][0]], float(costs[i]), {name: float(p[i]) for name, p in penalties.items()})
         for i in np.argsort(costs, kind="stable")
     ]
-    best = int(costs.argmin())
-    group = np.arange(max(0, best - _NEIGHBOURS), min(len(seen), best + _NEIGHBOURS + 1))
-    group = group[costs[group] <= costs[best] + _LIKE_THE_BEST]
-    return NeutralChoice(
-        index=seen[best][0],
-        time=times[seen[best][0]],
-        features=np.median(features[group], axis=0).astype(np.float32),
-        rotation=np.median(rotations[group], axis=0),
-        reason=_reason(ranking[0], rotations[best], ranking[0].index if numbers is None else numbers[ranking[0].index]),
-        candidates=_spread(ranking, max(times) - min(times)),
-    )
-
-
-def neutral_of(face: FaceObservation, index: int, time: float, reason: str) -> NeutralChoice:
-    """A neutral that somebody chose: a given frame or a picture."""
-    return NeutralChoice(index, time, feature_vector(face), head_rotation(face), reason, ())
+    return _Weighed(features, rotations, costs, ranking)
 
 
 def _penalties(
@@ -156,12 +191,12 @@ def _reason(chosen: Candidate, rotation: NDArray[np.float64], number: int | None
     return f"{words} degrees; the best there is, but {' and '.join(chosen.flaws)}"
 
 
-def _spread(ranking: Sequence[Candidate], duration: float) -> tuple[Candidate, ...]:
-    """The best of the ranking that are not almost the same moment."""
-    apart, chosen = duration / (3 * CANDIDATES), []
+def _spread(ranking: Sequence[Candidate], duration: float, count: int) -> tuple[Candidate, ...]:
+    """The best ``count`` of the ranking that are not almost the same moment."""
+    apart, chosen = duration / (3 * count), []
     for candidate in ranking:
         if all(abs(candidate.time - other.time) >= apart for other in chosen):
             chosen.append(candidate)
-        if len(chosen) == CANDIDATES:
+        if len(chosen) == count:
             break
     return tuple(chosen)

@@ -4,8 +4,8 @@
 
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
-moves. Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate --drivers`
-says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
+moves. Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate` with
+--drivers says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
 """
 
 import argparse
@@ -54,7 +54,7 @@ def main() -> int:
     gem = load_gem(options.avatar)
     drivers = opened_drivers([str(path) for path in options.clips or sorted(DRIVERS.glob("*.mp4"))])
     kept = Kept(options.cache)
-    clips = {driver.name: driver.tracked(options.every, options.seconds, kept) for driver in drivers}
+    clips = {driver.name: driver.tracked(options.every, options.seconds, kept).clip for driver in drivers}
     mirror = Mirror(gem, options.size)
     runs: dict[str, tuple[Express, int | None]] = {}
     if gem.arkit_weights is not None:
@@ -137,7 +137,8 @@ def _document(gem: Gem, clips: dict[str, Clip], figures: Figures) -> dict[str, o
     }
     tidy = json.loads(json.dumps(told), parse_constant=lambda _: None)
     about = {
-        name: {"frames": len(clip.readings), "losses": clip.lost, "neutral": clip.reason} for name, clip in clips.items()
+        name: {"frames": len(clip.readings), "losses": clip.lost, "neutral": clip.reason}
+        for name, clip in clips.items()
     }
     return {"avatar": gem.name, "channels": [c.name for c in CHANNELS], "clips": about, "figures": tidy}
 

@@ -1,0 +1,102 @@
+"""Jitter: how much an avatar trembles while its driver does nothing at all."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..driver.face import FaceTracker
+from ..driver.smoothing import OneEuro, Smoothed, step
+from ..gem import Gem
+from .clip import Clip, UnseenDriver
+from .loop import Express, answered
+from .reading import Array, Image, Reading, Readings, read, stacked
+from .webcam import resensed
+
+FRAMES = 75
+SETTLING = 15
+"""The first of them, in which tracker and filter find their rest, do not count."""
+RATE = 30.0
+"""Frames a second."""
+_AROUND = 0.6
+"""Of a face's longer side, on each side of it: what the tracker looks at."""
+
+
+@dataclass(frozen=True)
+class Still:
+    """A driver at his neutral, in front of a webcam."""
+
+    readings: Readings
+    """[frames], of one picture under fresh noise."""
+    noise: float
+    """RMS of what changes from picture to picture in the face, in levels of 255."""
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """RMS over frames and coefficients of how far they are from their mean, in sigma."""
+
+    raw: float
+    smoothed: float
+    """After the filter of the live window."""
+
+
+def hold_still(clip: Clip, frames: Iterable[tuple[Image, float]], seed: int = 0) -> Still:
+    """Takes the picture of the clip's neutral again and again with fresh noise, and tracks it.
+
+    Args:
+        clip: whose neutral.
+        frames: the same pictures and times that the clip was tracked from.
+        seed: of the noise.
+
+    Raises UnseenDriver where the neutral's picture is not among the frames, or shows no face any more.
+    """
+    tracker = FaceTracker()
+    picture = next((picture for picture, now in frames if now >= clip.neutral_time), None)
+    face = None if picture is None else tracker.track(picture)
+    if picture is None or face is None:
+        raise UnseenDriver("the picture of its neutral is gone: the clip changed while it was read")
+    left, top, right, bottom = face.box_px
+    room = _AROUND * max(right - left, bottom - top)
+    height, width = picture.shape[:2]
+    box = (
+        max(0, int(left - room)),
+        max(0, int(top - room)),
+        min(width, int(right + room)),
+        min(height, int(bottom + room)),
+    )
+    inside = slice(max(0, int(top)), int(bottom)), slice(max(0, int(left)), int(right))
+    rng = np.random.default_rng(seed)
+    readings: list[Reading] = []
+    changes: list[float] = []
+    before: NDArray[np.float32] | None = None
+    for _ in range(FRAMES):
+        noisy = resensed(picture, box, rng)
+        shown = noisy[inside].astype(np.float32)
+        if before is not None:
+            changes.append(float(np.sqrt(((shown - before) ** 2).mean() / 2)))
+        before = shown
+        face = tracker.track(noisy)
+        if face is not None:
+            readings.append(read(face))
+    if len(readings) <= SETTLING:
+        raise UnseenDriver("the tracker loses the face of its neutral under a webcam's noise")
+    return Still(stacked(readings), float(np.mean(changes)))
+
+
+def jitter(still: Still, neutral: Reading, express: Express, gem: Gem, smoothing: OneEuro) -> Jitter:
+    """What an avatar makes of it. ``smoothing`` is of coefficients away from rest, in sigma."""
+    state: Smoothed | None = None
+    raw, smoothed = [], []
+    for i in range(len(still.readings)):
+        coefficients, _ = answered(express, still.readings[i], neutral)
+        raw.append((coefficients - gem.rest_coefficients) / gem.sigma)
+        state = step(smoothing, state, raw[-1], 1 / RATE)
+        smoothed.append(state.value)
+    return Jitter(*(_unrest(np.asarray(values[SETTLING:], np.float64)) for values in (raw, smoothed)))
+
+
+def _unrest(sigmas: Array) -> float:
+    """RMS of [F, n] about its mean."""
+    return float(np.sqrt(((sigmas - sigmas.mean(0)) ** 2).mean()))
