@@ -1,0 +1,166 @@
+"""The lines of the table: a model, how well it draws expressions it never saw, and what it costs."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from gemheads.models.captures.heldout import judged_shots, viewers
+from gemheads.models.captures.layout import Shot
+from gemheads.models.captures.reader import Capture
+from gemheads.models.captures.staging import Stage
+from gemheads.models.gem import MODALITIES, Gem
+from gemheads.models.gemfile import load_gem, save_gem
+from gemheads.models.importers.adopt import adopt
+from gemheads.models.metrics.pixels import psnr
+from gemheads.models.train.fit import HeadPose, Start
+from gemheads.models.train.refine import RefineEffort, refine
+from gemheads.models.train.run_source import run_source
+from gemheads.models.train.runs import Run
+from gemheads.render.gaussians import RawGaussians
+from numpy.typing import NDArray
+
+from .bases import Linear, joint, led_by_positions, off_orthonormal, one_each
+from .fitting import Searched, fitted
+from .spaces import Row, Space
+
+Image = NDArray[np.float32]
+AS_IT_IS = "as it is"
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is done."""
+
+    components: int = 30
+    shots: int = 8
+    """Held-out pictures."""
+    iterations: int = 600
+    """Steps of refinement."""
+    evaluations: int = 30
+    """Of each fit."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One variant."""
+
+    name: str
+    source_psnr: float
+    """Decibels of what it draws of projected splats against what the run's own splats look like ..."""
+    psnr: float
+    """... and against the pictures that were taken."""
+    fitted_psnr: float | None
+    """Against the taken pictures, coefficients found in the same moment's pictures from other cameras."""
+    coefficients: int
+    numbers: int
+    """In the components of all modalities."""
+    megabytes: float | None
+    """Of the file; None for what no file can hold."""
+    off_orthonormal: float | None
+    """Largest entry of |B B^T - 1|; None where projection does not need it."""
+    images: tuple[Image, ...]
+    """What it draws of each held-out picture, projected."""
+
+
+class Ablation:
+    """Held-out moments of a capture, and the run whose splats are reduced in one way or another."""
+
+    def __init__(self, capture: Capture, run: Run, effort: Effort) -> None:
+        self.capture, self.effort = capture, effort
+        self.shots = judged_shots(capture, "test", effort.shots)
+        self._source = run_source(run)
+        self._frames = list(self._source.frames())
+        self.gem = adopt(self._source, "ablated", effort.components)[0]
+        self.held_out = [run.splats(capture.tracked(shot.timestep)) for shot in self.shots]
+        self._stage = Stage(capture)
+        self.taken = [self._stage.truth(shot) for shot in self.shots]
+        self.drawn = [self._draw(raw, shot) for raw, shot in zip(self.held_out, self.shots, strict=True)]
+
+    def lines(self, folder: Path) -> Iterator[Line]:
+        """All of them, one after the other; ``folder`` holds avatars meanwhile."""
+        rest, gem = self._source.rest, self.gem
+        raw = Space(rest)
+        yield self._reduced(AS_IT_IS, raw, one_each, searched=True)
+        yield self._reduced(
+            "metres and opacities, not their logarithms and logits", Space(rest, activated=True), one_each
+        )
+        yield self._reduced("tangent vectors, not quaternions", Space(rest, tangent=True), one_each)
+        yield self._reduced("one joint PCA, so shared coefficients", raw, joint, searched=True)
+        yield self._reduced("coefficients shared: those of the positions", raw, led_by_positions, searched=True)
+        yield self._refined(f"refined, {self.effort.iterations} steps")
+        floats = sum(basis.rows.nbytes + basis.sigma.nbytes for basis in gem.bases.values()) + gem.colors.nbytes
+        yield self._stored("fp32 basis", gem, floats / 1e6)
+        for kind in ("fp16", "int8"):
+            path = folder / f"{kind}.gem"
+            save_gem(gem, path, kind)
+            yield self._stored(f"{kind} basis", load_gem(path), path.stat().st_size / 1e6)
+
+    def _reduced(
+        self, name: str, space: Space, model_of: Callable[[list[Row], int], Linear], searched: bool = False
+    ) -> Line:
+        model = model_of([space.row(frame) for frame in self._frames], self.effort.components)
+        answers = [space.splats(model.answer(space.row(raw))) for raw in self.held_out]
+        off = None if model.shared else off_orthonormal(model.components)
+        return self._line(name, answers, model if searched else None, model.count, model.numbers, None, off)
+
+    def _stored(self, name: str, gem: Gem, megabytes: float | None, model: Linear | None = None) -> Line:
+        answers = [gem.compose(gem.project(raw)) for raw in self.held_out]
+        bases = [gem.bases[modality].components for modality in MODALITIES]
+        numbers = sum(basis.size for basis in bases)
+        off = off_orthonormal(bases)
+        return self._line(name, answers, model, gem.coefficient_count, numbers, megabytes, off)
+
+    def _refined(self, name: str) -> Line:
+        moments = {}
+        for timestep, frame in zip(self._source.moments, self._frames, strict=True):
+            tracked = self.capture.tracked(timestep)
+            moments[timestep] = Start(self.gem.project(frame), HeadPose(tracked.rotation, tracked.translation))
+        gem = refine(self.gem, self.capture, moments, RefineEffort(self.effort.iterations)).gem
+        parts = [gem.bases[modality] for modality in MODALITIES]
+        model = Linear(
+            tuple(basis.mean for basis in parts),
+            tuple(basis.components for basis in parts),
+            tuple(basis.components.T for basis in parts),
+            tuple(basis.sigma for basis in parts),
+            shared=False,
+        )
+        return self._stored(name, gem, None, model)
+
+    def _line(
+        self,
+        name: str,
+        answers: list[RawGaussians],
+        model: Linear | None,
+        coefficients: int,
+        numbers: int,
+        megabytes: float | None,
+        off: float | None,
+    ) -> Line:
+        images = [self._draw(raw, shot) for raw, shot in zip(answers, self.shots, strict=True)]
+        found = None if model is None else self._searched(Searched.of(model, self.gem))
+        return Line(
+            name,
+            _mean(images, self.drawn),
+            _mean(images, self.taken),
+            found,
+            coefficients,
+            numbers,
+            megabytes,
+            off,
+            tuple(images),
+        )
+
+    def _searched(self, model: Searched) -> float:
+        images = []
+        for shot in self.shots:
+            others = viewers(self.capture, "test", shot)
+            images.append(self._draw(fitted(model, self.capture, others, self.effort.evaluations), shot))
+        return _mean(images, self.taken)
+
+    def _draw(self, raw: RawGaussians, shot: Shot) -> Image:
+        return self._stage.draw(raw, self.gem.neck_weights, self.gem.neck_pivot, shot)
+
+
+def _mean(images: list[Image], truths: list[Image]) -> float:
+    return float(np.mean([psnr(image, truth) for image, truth in zip(images, truths, strict=True)]))

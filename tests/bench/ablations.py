@@ -1,0 +1,117 @@
+"""Choices that the paper leaves open, each tried the other way on a run's splats: docs/ablations.md.
+
+    python tests/bench/ablations.py CAPTURE RUN [--quick] [--components 30] [--shots 8] [--iterations 600]
+        [--docs docs/ablations.md] [--picture F.png]
+
+Every variant is made of the run's splats at the training moments and answers those of held-out expressions, which are
+then drawn as the capture's cameras saw them.
+"""
+
+import argparse
+import platform
+import sys
+import tempfile
+from collections.abc import Sequence
+from datetime import date
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import cv2
+import numpy as np
+import torch
+from ablating.lines import Ablation, Effort, Line
+from gemheads.models.captures.reader import open_capture
+from gemheads.models.train.fit import error_map
+from gemheads.models.train.runs import open_run
+from gemheads.models.wholefile import write_whole
+
+MARKS = "<!-- table -->", "<!-- end of table -->"
+HEADS = ("", "PSNR to the run's", "PSNR to taken", "PSNR, fitted", "coefficients", "numbers, M", "file, MB", "off 1")
+QUICK = Effort(components=4, shots=2, iterations=10, evaluations=4)
+ERROR_SCALE = 0.03
+"""A difference to the run's own picture that is white in the sheet: what variants lose is faint."""
+
+
+def main() -> int:
+    """The command; see ``--help``."""
+    parser = argparse.ArgumentParser(description="Try open choices the other way.")
+    parser.add_argument("capture", type=Path)
+    parser.add_argument("run", type=Path, help="of gemheads train")
+    parser.add_argument("--quick", action="store_true", help="whether it runs, not what it says")
+    parser.add_argument("--components", type=int, default=Effort.components)
+    parser.add_argument("--shots", type=int, default=Effort.shots, help="held-out pictures")
+    parser.add_argument("--iterations", type=int, default=Effort.iterations, help="steps of refinement")
+    parser.add_argument("--docs", type=Path, help=f"a page in which what is between {' and '.join(MARKS)} is replaced")
+    parser.add_argument("--picture", type=Path, help="a sheet of the first held-out pictures")
+    options = parser.parse_args()
+    effort = QUICK if options.quick else Effort(options.components, options.shots, options.iterations)
+    capture = open_capture(options.capture)
+    ablation = Ablation(capture, open_run(options.run, options.capture), effort)
+    lines: list[Line] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for line in ablation.lines(Path(folder)):
+            lines.append(line)
+            print(row(line), flush=True)
+    text = "\n".join([*table(lines), "", said(ablation)])
+    if options.docs:
+        page = options.docs.read_text()
+        before, after = page.split(MARKS[0])[0], page.split(MARKS[1])[1]
+        write_whole(options.docs, [f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}".encode()])
+    if options.picture:
+        cv2.imwrite(str(options.picture), sheet(ablation, lines)[..., ::-1])
+    return 0
+
+
+def table(lines: Sequence[Line]) -> list[str]:
+    """Markdown: a row a variant."""
+    return [f"| {' | '.join(HEADS)} |", "|---|" + "---|" * (len(HEADS) - 1), *map(row, lines)]
+
+
+def row(line: Line) -> str:
+    """One row of it."""
+    cells = [
+        line.name,
+        f"{line.source_psnr:.2f}",
+        f"{line.psnr:.3f}",
+        "-" if line.fitted_psnr is None else f"{line.fitted_psnr:.2f}",
+        f"{line.coefficients}",
+        f"{line.numbers / 1e6:.2f}",
+        "-" if line.megabytes is None else f"{line.megabytes:.1f}",
+        "-" if line.off_orthonormal is None else f"{line.off_orthonormal:.0e}",
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def said(ablation: Ablation) -> str:
+    """What was measured, and where."""
+    capture, effort = ablation.capture, ablation.effort
+    camera = capture.train[0].camera
+    counted = f"{len(ablation.shots)} pictures of held-out expressions, {len(capture.timesteps('train'))} moments"
+    return (
+        f"{capture.subject}, {camera.width}x{camera.height}: {counted} to learn from, {len(ablation.gem)} splats,"
+        f" {effort.components} components asked for, {effort.evaluations} evaluations a fit. {platform.machine()},"
+        f" torch {torch.__version__}, {date.today()}."
+    )
+
+
+def sheet(ablation: Ablation, lines: Sequence[Line], columns: int = 3) -> np.ndarray:
+    """Rows: taken, the run's own, and each variant beside its difference to the run's own."""
+    rows = [_captioned("taken", [np.hstack([x, np.ones_like(x)]) for x in ablation.taken[:columns]])]
+    rows.append(_captioned("the run", [np.hstack([x, np.ones_like(x)]) for x in ablation.drawn[:columns]]))
+    for line in lines:
+        pairs = zip(line.images[:columns], ablation.drawn[:columns], strict=True)
+        cells = [np.hstack([x, error_map(x, own, ERROR_SCALE).astype(np.float32) / 255]) for x, own in pairs]
+        rows.append(_captioned(line.name, cells))
+    return np.vstack(rows)
+
+
+def _captioned(name: str, cells: Sequence[np.ndarray]) -> np.ndarray:
+    picture = np.round(255 * np.clip(np.hstack(cells), 0, 1)).astype(np.uint8)
+    bar = np.full((20, picture.shape[1], 3), 255, np.uint8)
+    cv2.putText(bar, name, (4, 15), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (0, 0, 0), 1, cv2.LINE_AA)
+    return np.vstack([bar, picture])
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
