@@ -8,7 +8,7 @@ from pathlib import Path
 from ..models.crossing.clip import Clip, UnseenDriver, track_clip
 from ..models.crossing.kept import Kept
 from ..models.crossing.reading import Image
-from ..models.crossing.still import Still, hold_still
+from ..models.crossing.still import CONDITIONS, Still, hold_still
 from ..models.driver.features import FEATURE_VERSION
 from ..models.wholefile import file_sha256
 from .errors import InputError, NoFaceError, UsageError
@@ -56,7 +56,7 @@ class Tracked:
     def still(self, kept: Kept) -> Still | None:
         """At his neutral under a webcam's noise; None where the tracker loses him there. Raises InputError, OSError."""
         try:
-            return kept.get("still", self.made_of, Still, lambda: hold_still(self.clip, self.driver.frames()))
+            return kept.get("still", [*self.made_of, *CONDITIONS], Still, lambda: hold_still(self.clip, self.driver.frames()))
         except UnseenDriver:
             return None
 

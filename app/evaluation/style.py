@@ -23,7 +23,8 @@ figcaption { font-size: .87em; color: #555 }
 .heat { display: inline-block; width: 7em; height: .8em; vertical-align: middle;
   background: linear-gradient(90deg, #000, #f00 33%, #ff0 67%, #fff); border: 1px solid #999 }
 .strip td { padding: 2px } .strip img { display: block; max-width: 100% } .strip th { vertical-align: middle }
-.met { color: #00663f; font-weight: 600; white-space: nowrap } .met::after { content: "\\2713" } .missed { color: #a8320a }
+.met { color: #00663f; font-weight: 600; white-space: nowrap } .met::after { content: "\\2713" }
+.missed { color: #a8320a }
 .scene { width: 100% } .scene th { width: 11em } .scene img { width: 100% }
 .steady td:nth-child(5) { text-align: left; max-width: 34em } .key td { border: 0; padding: 0 1em 0 0 }
 .worst { display: flex; flex-wrap: wrap; gap: .6em } .worst figure { width: 112px } .worst img { width: 100% }

@@ -12,13 +12,15 @@ from ..gem import Gem
 from .clip import Clip, UnseenDriver
 from .loop import Express, answered
 from .reading import Array, Image, Reading, Readings, read, stacked
-from .webcam import resensed
+from .webcam import QUALITY, READ_NOISE, SHOT_NOISE, resensed
 
 FRAMES = 75
 SETTLING = 15
 """The first of them, in which tracker and filter find their rest, do not count."""
 RATE = 30.0
 """Frames a second."""
+CONDITIONS = (FRAMES, READ_NOISE, SHOT_NOISE, QUALITY)
+"""What a Still depends on beside its clip."""
 _AROUND = 0.6
 """Of a face's longer side, on each side of it: what the tracker looks at."""
 

@@ -5,8 +5,8 @@ import numpy as np
 
 from .reading import Image
 
-READ_NOISE, SHOT_NOISE = 0.004, 0.0008
-"""Standard deviation in the dark, and variance per light, in parts of full scale of linear light: at mid grey about
+READ_NOISE, SHOT_NOISE = 0.002, 0.0004
+"""Standard deviation in the dark, and variance per light, in parts of full scale of linear light: at mid grey two to
 three of 255 levels, as a webcam has in a lit room in the evening."""
 GAMMA = 2.2
 BLUR = np.float32([0.25, 0.5, 0.25])
