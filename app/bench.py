@@ -156,8 +156,11 @@ def _frame(
 
 
 def _read(gem: Gem, components: int) -> float:
-    """Seconds that a plain read of the rows takes which compose reads."""
-    rows = [basis.rows[: components + 1].reshape(-1) for basis in gem.bases.values()]
+    """Seconds that a plain read of the numbers takes which compose reads."""
+    rows = []
+    for basis in gem.bases.values():
+        read = basis.components if basis.moving is None else basis.moving.components
+        rows += [basis.mean, read[:components].reshape(-1)]
     started = time.perf_counter()
     for row in rows:
         _sum(row)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..render.gaussians import RawGaussians
-from .blend import blend
+from .blend import blend, blend_columns, correlate, gather, moving_columns
 
 MODALITIES = ("position", "rotation", "scale", "opacity")
 """Order of the bases, and of their parts in a coefficient vector."""
@@ -16,8 +16,20 @@ CHANNELS = {"position": 3, "rotation": 4, "scale": 3, "opacity": 1}
 """C, the numbers per splat of each modality."""
 CLAMP_SIGMAS = 3.0
 """Coefficients stay within this many standard deviations (equation 4)."""
+_WORTHWHILE = 0.75
+"""Share of a basis that moves above which reading all of it in one go is as fast."""
 MAX_SPLATS = 1_000_000
 MAX_COMPONENTS = 512
+
+
+@dataclass(frozen=True)
+class Moving:
+    """The components of a basis where they are not 0: most splats of a head never move."""
+
+    columns: NDArray[np.int32]
+    """[M] the places among the N * C, rising."""
+    components: NDArray[np.float32]
+    """[K, M]."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +59,42 @@ class Basis:
 
     def __len__(self) -> int:
         return len(self.sigma)
+
+    @cached_property
+    def moving(self) -> Moving | None:
+        """What composing has to read, found at the first call; None where leaving out the rest would save little.
+
+        The components are not to be changed after that.
+        """
+        moves = np.empty(self.rows.shape[1], np.bool_)
+        moving_columns(self.components, moves)
+        columns = np.flatnonzero(moves).astype(np.int32)
+        if len(columns) > _WORTHWHILE * len(moves):
+            return None
+        components = np.empty((len(self), len(columns)), np.float32)
+        gather(self.components, columns, components)
+        return Moving(columns, components)
+
+    def compose(self, coefficients: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+        """mean + coefficients @ components, in place.
+
+        Args:
+            coefficients: [m] of the first m components, m <= K.
+            out: [N * C], overwritten.
+        """
+        if self.moving is None:
+            blend(coefficients, self.mean, self.components, out)
+        else:
+            blend_columns(coefficients, self.mean, self.moving.components, self.moving.columns, out)
+
+    def correlate(self, values: NDArray[np.float32]) -> NDArray[np.float32]:
+        """[K] components @ values [N * C]: how a gradient goes back through ``compose``."""
+        answer = np.empty(len(self), np.float32)
+        if self.moving is None:
+            correlate(self.components, values, answer)
+        else:
+            correlate(self.moving.components, values[self.moving.columns], answer)
+        return answer
 
     def truncated(self, components: int) -> "Basis":
         """The first ``components`` of this basis, without a copy."""
@@ -172,12 +220,10 @@ class Gem:
         if coefficients.shape != (self.coefficient_count,):
             raise ValueError(f"'{self.name}' has {self.coefficient_count} coefficients, got {coefficients.shape}")
         out = self._blank() if out is None else out
+        wanted = np.asarray(coefficients, np.float32)
         targets = (out.positions, out.wxyz, out.log_scales, out.opacity_logits)
         for name, target in zip(MODALITIES, targets, strict=True):
-            basis, scratch = self.bases[name], self._scratch[name]
-            used = len(basis) if components is None else min(components, len(basis))
-            scratch[1 : used + 1] = coefficients[self.slices[name]][:used]
-            blend(scratch[: used + 1], basis.rows, target.reshape(-1))
+            self.bases[name].compose(wanted[self.slices[name]][:components], target.reshape(-1))
         return out
 
     def project(self, raw: RawGaussians) -> NDArray[np.float32]:
@@ -212,11 +258,6 @@ class Gem:
             rest=None if self.rest is None else self.rest[kept],
             regressor=None,
         )
-
-    @cached_property
-    def _scratch(self) -> dict[str, NDArray[np.float32]]:
-        # a leading 1 multiplies the mean, so that one product does equation 1
-        return {name: np.ones(len(basis) + 1, np.float32) for name, basis in self.bases.items()}
 
     def _blank(self) -> RawGaussians:
         count = len(self)

@@ -38,12 +38,12 @@ def pose_head(
             np.empty_like(raw.positions), np.empty_like(raw.wxyz), raw.log_scales, raw.opacity_logits, raw.colors
         )
     pivot = np.asarray(pivot, np.float32)
-    _pose(raw.positions, raw.wxyz, neck_weights, pivot, turn, move, out.positions, out.wxyz)
+    pose_splats(raw.positions, raw.wxyz, neck_weights, pivot, turn, move, out.positions, out.wxyz)
     return out
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True)
-def _pose(
+def pose_splats(
     positions: Floats,
     wxyz: Floats,
     weights: Floats,
@@ -53,6 +53,7 @@ def _pose(
     moved: Floats,
     turned: Floats,
 ) -> None:
+    """``pose_head`` on plain arrays: [N, 3], [N, 4], [N], three of [3], and the answers [N, 3] and [N, 4]."""
     angle = np.sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2])
     scale = 0.0 if angle < 1e-9 else 1.0 / angle
     ax, ay, az = turn[0] * scale, turn[1] * scale, turn[2] * scale

@@ -47,7 +47,7 @@ def _chatter(path: Path) -> None:
 
 
 def _hoard(path: Path) -> None:
-    bytearray(os.urandom(2**26))
+    bytearray(os.urandom(2**27))
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,7 @@
 """The avatar in torch is the avatar in NumPy, with gradients."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gemheads.app.synthetic import synthetic_gem
@@ -43,3 +45,26 @@ def test_gradients_are_finite_differences(turn: tuple[float, ...]) -> None:
 
     inputs = (torch.randn(8).double(), torch.tensor(turn).double(), torch.zeros(3).double())
     assert torch.autograd.gradcheck(splats, [tensor.requires_grad_() for tensor in inputs])
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (1e-3, 0.0, -2e-3), (0.3, -0.2, 0.1), (2.0, 1.0, -1.5)])
+@pytest.mark.parametrize("still", [0.0, 0.9])
+def test_kernels_have_the_gradients_of_plain_torch(turn: tuple[float, ...], still: float) -> None:
+    whole = synthetic_gem(1500, 7, np.random.default_rng(1))
+    rng = np.random.default_rng(2)
+    for basis in whole.bases.values():
+        basis.components[:, rng.random(basis.rows.shape[1]) < still] = 0
+    assert (whole.bases["position"].moving is None) == (still == 0)
+    shares = rng.random(1500).astype(np.float32)
+    slopes = None
+    found = {}
+    for dtype in (torch.float64, torch.float32):
+        gem = TorchGem.of(replace(whole, neck_weights=shares), dtype=dtype)
+        torch.manual_seed(0)
+        inputs = [torch.randn(28).to(dtype), torch.tensor(turn).to(dtype), torch.randn(3).to(dtype)]
+        posed = gem.posed(gem.compose(inputs[0].requires_grad_()), *(one.requires_grad_() for one in inputs[1:]))
+        together = torch.cat([tensor.reshape(-1) for tensor in posed[:4]])
+        slopes = torch.randn(len(together)) if slopes is None else slopes
+        found[dtype] = torch.autograd.grad(together, inputs, slopes.to(dtype))
+    for plain, kernel in zip(*found.values(), strict=True):
+        np.testing.assert_allclose(kernel.numpy(), plain.numpy(), rtol=0, atol=2e-5 * float(plain.abs().max()))
