@@ -5,6 +5,7 @@ from html import escape
 from typing import Any
 
 from ...models.metrics.tables import DIGITS, LARGER_IS_BETTER
+from .compared import compared, film_strip
 from .crossing import crossing_section
 from .crossingpictures import CrossingPictures
 from .curves import color_of, curve_svg
@@ -97,12 +98,7 @@ def _split(table: Mapping[str, Any], gallery: Gallery) -> str:
     parts.append(f"<h3>Over the pictures</h3><div class='curves'>{''.join(curves)}</div>")
     if len(table["cameras"]) > 1:
         parts.append(_cameras(table, names))
-    parts.append(_compared(table, gallery, names))
-    strips = "".join(
-        f"<tr><th>{escape(row) or 'taken'}</th><td><img alt='{escape(row) or 'taken'}' src='{url}'></td></tr>"
-        for row, url in gallery.strips.items()
-    )
-    parts.append(f"<h3>Film strip</h3><table class='strip'>{strips}</table>")
+    parts.append(f"<h3>Where they differ</h3>{compared(gallery, table['pictures'], names)}{film_strip(gallery)}")
     parts.append(f"<details><summary>Every picture</summary>{_pictures(table, names)}</details>")
     return "".join(parts)
 
@@ -137,26 +133,6 @@ def _pictures(table: Mapping[str, Any], names: Sequence[str]) -> str:
         for p in table["pictures"]
     ]
     return _table(heads, rows)
-
-
-def _compared(table: Mapping[str, Any], gallery: Gallery, names: Sequence[str]) -> str:
-    """Taken, drawn, error: a row for each avatar."""
-    parts = ["<h3>Where they differ</h3><p class='small'>taken | drawn | difference: black is none,"]
-    parts.append(" <span class='heat'></span> white is 0.1 of full scale or more. Worst, median and best by PSNR of")
-    parts.append(f" {escape(names[0])}. What is drawn is synthetic.</p>")
-    for word, place in gallery.choice.compared.items():
-        picture = table["pictures"][place]
-        parts.append(f"<h4>{word}: moment {picture['timestep']}, camera {picture['camera']}</h4><div class='compared'>")
-        for name in names:
-            psnr = _number("PSNR", picture["values"][name]["PSNR"])
-            images = (gallery.drawn["", place], gallery.drawn[name, place], gallery.errors[name, place])
-            shown = "".join(
-                f"<img alt='{what}' src='{url}'>"
-                for what, url in zip(("taken", "drawn", "difference"), images, strict=True)
-            )
-            parts.append(f"<figure>{shown}<figcaption>{escape(name)}, {psnr} dB</figcaption></figure>")
-        parts.append("</div>")
-    return "".join(parts)
 
 
 def _made(report: Mapping[str, Any]) -> str:

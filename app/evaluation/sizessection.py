@@ -1,10 +1,11 @@
 """The page's section on components and map sizes: Table 4 and Figure 8 of the paper."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
 from ...models.metrics.tables import DIGITS, LARGER_IS_BETTER
+from .compared import compared, film_strip
 from .curves import curve_svg
 from .pictures import Gallery
 from .pieces import row, table
@@ -16,16 +17,11 @@ def sizes_section(figures: Mapping[str, Any], gallery: Gallery) -> str:
     """HTML of ``figures``, which report.json holds, and the pictures."""
     parts = ["<h2>Components and map size</h2>", f"<p>{escape(_about(figures))}</p>"]
     parts += [f"<p class='note'>{escape(note)}</p>" for note in figures["notes"]]
-    parts.append(_table(figures))
-    parts.append(f"<p class='small'>* {escape(figures['published_of'])}</p>")
+    parts.append(_table(figures) + _published(figures))
     parts.append(f"<div class='curves'>{_over_components(figures)}{_over_time(figures)}</div>")
-    parts.append(_compared(figures, gallery))
-    strips = "".join(
-        f"<tr><th>{escape(who) or 'taken'}</th><td><img alt='{escape(who) or 'taken'}' src='{url}'></td></tr>"
-        for who, url in gallery.strips.items()
-    )
-    parts.append(f"<h3>Film strip</h3><table class='strip'>{strips}</table>")
-    return "".join(parts)
+    names = [told["label"] for told in figures["rows"]]
+    parts.append(f"<h3>Where fewer components differ</h3>{compared(gallery, figures['pictures'], names)}")
+    return "".join([*parts, film_strip(gallery)])
 
 
 def _about(figures: Mapping[str, Any]) -> str:
@@ -47,12 +43,26 @@ def _table(figures: Mapping[str, Any]) -> str:
         cells += [_number(told["means"].get(metric), digits) for metric, digits in DIGITS.items()]
         cells += [_number(told["megabytes"].get(form), 2) for form in FORMS]
         rows.append(row([*cells, _number(told["frame_ms"], 2), _number(told["fps"], 1)]))
-    for told in figures["published"]:
-        cells = [f"paper: {escape(told['method'])} *", str(told["maps"]), _count(told["components"])]
-        cells += [_number(told["psnr"], 2), *("-" for _ in list(DIGITS)[1:])]
-        cells += ["-", "-", f"{told['megabytes']:g}", "-", _number(told["fps"], 1)]
-        rows.append(row([f"<em>{cell}</em>" for cell in cells]))
     return table(heads, rows)
+
+
+def _published(figures: Mapping[str, Any]) -> str:
+    """The paper's own, laid out as there: a row for each count of components, columns for each map size."""
+    maps = sorted({told["maps"] for told in figures["published"]})
+    lines: dict[str, dict[int, Mapping[str, Any]]] = {}
+    for told in figures["published"]:
+        line = told["method"] if told["components"] is None else f"{told['method']}, {told['components']} components"
+        lines.setdefault(line, {})[told["maps"]] = told
+    rows = []
+    for line, cells in lines.items():
+        shown = [_cells(cells[size]) for size in maps]
+        rows.append(row([f"<em>{cell}</em>" for cell in (escape(line), *(text for part in shown for text in part))]))
+    heads = ["in the paper *", *(f"{name}, {size} maps" for size in maps for name in ("PSNR", "MB", "frames/s"))]
+    return f"{table(heads, rows)}<p class='small'>* {escape(figures['published_of'])}</p>"
+
+
+def _cells(told: Mapping[str, Any]) -> list[str]:
+    return [_number(told["psnr"], 2), f"{told['megabytes']:g}", _number(told["fps"], 1)]
 
 
 def _over_components(figures: Mapping[str, Any]) -> str:
@@ -72,29 +82,6 @@ def _over_time(figures: Mapping[str, Any]) -> str:
     names = [told["label"] for told in figures["rows"]]
     series = {name: [picture["values"][name]["PSNR"] for picture in pictures] for name in names}
     return curve_svg("PSNR over the pictures", series, labels, DIGITS["PSNR"])
-
-
-def _compared(figures: Mapping[str, Any], gallery: Gallery) -> str:
-    """Figure 8: what was taken, and what each drew with its difference."""
-    names = [told["label"] for told in figures["rows"]]
-    parts = ["<h3>Where fewer components differ</h3><p class='small'>drawn | difference: black is none,"]
-    parts.append(" <span class='heat'></span> white is 0.1 of full scale or more. Worst, median and best by PSNR of")
-    parts.append(f" {escape(names[0])}.</p>")
-    for word, place in gallery.choice.compared.items():
-        picture = figures["pictures"][place]
-        parts.append(f"<h4>{word}: moment {picture['timestep']}, camera {picture['camera']}</h4><div class='sized'>")
-        parts.append(_figure(["taken"], [gallery.drawn["", place]], "taken"))
-        for name in names:
-            psnr = _number(picture["values"][name]["PSNR"], DIGITS["PSNR"])
-            images = [gallery.drawn[name, place], gallery.errors[name, place]]
-            parts.append(_figure(["drawn", "difference"], images, f"{name}, {psnr} dB"))
-        parts.append("</div>")
-    return "".join(parts)
-
-
-def _figure(words: Sequence[str], images: Sequence[str], caption: str) -> str:
-    shown = "".join(f"<img alt='{word}' src='{url}'>" for word, url in zip(words, images, strict=True))
-    return f"<figure>{shown}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
 def _count(components: int | None) -> str:

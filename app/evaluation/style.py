@@ -15,11 +15,9 @@ td em { color: #777 } td i { display: inline-block; width: .8em; height: .8em; m
 .curves { display: grid; grid-template-columns: repeat(auto-fill, minmax(380px, 1fr)); gap: .6em }
 svg { width: 100%; height: auto } svg text { font-size: 12px; fill: #444 } svg .name { font-weight: 600 }
 svg .tick { text-anchor: end } svg .grid { stroke: #e4e4e4 }
-figure { margin: 0 } figure img { width: calc(100% / 3); vertical-align: top }
+figure { margin: 0 } figure img { width: 100%; vertical-align: top }
 figcaption { font-size: .87em; color: #555 }
-.compared { display: grid; grid-template-columns: repeat(auto-fill, minmax(500px, 1fr)); gap: .8em }
-.sized { display: grid; grid-template-columns: repeat(auto-fill, minmax(330px, 1fr)); gap: .8em }
-.sized figure img { width: 50% }
+.compared { display: grid; grid-template-columns: repeat(auto-fill, minmax(185px, 1fr)); gap: .5em }
 .heat { display: inline-block; width: 7em; height: .8em; vertical-align: middle;
   background: linear-gradient(90deg, #000, #f00 33%, #ff0 67%, #fff); border: 1px solid #999 }
 .strip td { padding: 2px } .strip img { display: block; max-width: 100% } .strip th { vertical-align: middle }
@@ -30,5 +28,5 @@ figcaption { font-size: .87em; color: #555 }
 .worst { display: flex; flex-wrap: wrap; gap: .6em } .worst figure { width: 112px } .worst img { width: 100% }
 .worst figcaption { font-size: .75em; line-height: 1.3 }
 summary { cursor: pointer; margin: 1em 0 }
-@media (max-width: 560px) { .curves, .compared, .sized { grid-template-columns: 1fr } }
+@media (max-width: 560px) { .curves { grid-template-columns: 1fr } }
 """.strip()
