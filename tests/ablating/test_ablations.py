@@ -110,9 +110,9 @@ def test_a_fit_comes_nearer(
 def test_every_line_is_measured(capture: Capture, run: Run, tmp_path: Path) -> None:
     lines = {line.name: line for line in Ablation(capture, run, SMALL).lines(tmp_path)}
     assert len(lines) == 9
-    assert all(np.isfinite([line.psnr, line.source_psnr]).all() for line in lines.values())
-    assert lines["fp32 basis"].psnr == pytest.approx(lines[AS_IT_IS].psnr, abs=0.01)
+    assert all(np.isfinite([line.to_run.moving, line.to_taken.everywhere]).all() for line in lines.values())
+    assert lines["fp32 basis"].to_taken.moving == pytest.approx(lines[AS_IT_IS].to_taken.moving, abs=0.01)
     sizes = [lines[f"{kind} basis"].megabytes or 0 for kind in ("int8", "fp16", "fp32")]
     assert 0 < sizes[0] < sizes[1] < sizes[2]
     assert (lines["fp32 basis"].off_orthonormal or 1) < 1e-5 < (lines["int8 basis"].off_orthonormal or 0)
-    assert sum(line.fitted_psnr is not None for line in lines.values()) == 4
+    assert sum(line.fitted is not None for line in lines.values()) == 4

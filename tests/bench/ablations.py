@@ -1,6 +1,6 @@
 """Choices that the paper leaves open, each tried the other way on a run's splats: docs/ablations.md.
 
-    python tests/bench/ablations.py CAPTURE RUN [--quick] [--components 30] [--shots 8] [--iterations 600]
+    python tests/bench/ablations.py CAPTURE RUN [--quick] [--components 10 30] [--shots 8] [--iterations 600]
         [--docs docs/ablations.md] [--picture F.png]
 
 Every variant is made of the run's splats at the training moments and answers those of held-out expressions, which are
@@ -27,7 +27,10 @@ from gemheads.models.train.runs import open_run
 from gemheads.models.wholefile import write_whole
 
 MARKS = "<!-- table -->", "<!-- end of table -->"
-HEADS = ("", "PSNR to the run's", "PSNR to taken", "PSNR, fitted", "coefficients", "numbers, M", "file, MB", "off 1")
+HEADS = (
+    *("", "to the run, moving", "to taken", "to taken, moving", "fitted", "fitted, moving"),
+    *("coefficients", "numbers, M", "file, MB", "off orthonormal"),
+)
 QUICK = Effort(components=4, shots=2, iterations=10, evaluations=4)
 ERROR_SCALE = 0.03
 """A difference to the run's own picture that is white in the sheet: what variants lose is faint."""
@@ -39,28 +42,41 @@ def main() -> int:
     parser.add_argument("capture", type=Path)
     parser.add_argument("run", type=Path, help="of gemheads train")
     parser.add_argument("--quick", action="store_true", help="whether it runs, not what it says")
-    parser.add_argument("--components", type=int, default=Effort.components)
+    parser.add_argument(
+        "--components", type=int, nargs="+", default=[10, 30], help="a table for each; fits by the last"
+    )
     parser.add_argument("--shots", type=int, default=Effort.shots, help="held-out pictures")
     parser.add_argument("--iterations", type=int, default=Effort.iterations, help="steps of refinement")
     parser.add_argument("--docs", type=Path, help=f"a page in which what is between {' and '.join(MARKS)} is replaced")
-    parser.add_argument("--picture", type=Path, help="a sheet of the first held-out pictures")
+    parser.add_argument("--picture", type=Path, help="a sheet of the first held-out pictures, of the last table")
     options = parser.parse_args()
-    effort = QUICK if options.quick else Effort(options.components, options.shots, options.iterations)
     capture = open_capture(options.capture)
-    ablation = Ablation(capture, open_run(options.run, options.capture), effort)
-    lines: list[Line] = []
-    with tempfile.TemporaryDirectory() as folder:
-        for line in ablation.lines(Path(folder)):
-            lines.append(line)
-            print(row(line), flush=True)
-    text = "\n".join([*table(lines), "", said(ablation)])
+    run = open_run(options.run, options.capture)
+    tables: list[str] = []
+    for effort in efforts(options):
+        ablation, lines = Ablation(capture, run, effort), list[Line]()
+        with tempfile.TemporaryDirectory() as folder:
+            for line in ablation.lines(Path(folder)):
+                lines.append(line)
+                print(row(line), flush=True)
+        tables.append("\n".join([f"{effort.components} components:", "", *table(lines), "", said(ablation)]))
+        if options.picture:
+            cv2.imwrite(str(options.picture), sheet(ablation, lines)[..., ::-1])
+    text = "\n\n".join(tables)
     if options.docs:
         page = options.docs.read_text()
         before, after = page.split(MARKS[0])[0], page.split(MARKS[1])[1]
         write_whole(options.docs, [f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}".encode()])
-    if options.picture:
-        cv2.imwrite(str(options.picture), sheet(ablation, lines)[..., ::-1])
     return 0
+
+
+def efforts(options: argparse.Namespace) -> list[Effort]:
+    """One for each number of components; only the last one is refined and fitted, which takes most of the time."""
+    if options.quick:
+        return [QUICK]
+    *some, last = options.components
+    brief = [Effort(components, options.shots, 0, 0) for components in some]
+    return [*brief, Effort(last, options.shots, options.iterations)]
 
 
 def table(lines: Sequence[Line]) -> list[str]:
@@ -72,9 +88,11 @@ def row(line: Line) -> str:
     """One row of it."""
     cells = [
         line.name,
-        f"{line.source_psnr:.2f}",
-        f"{line.psnr:.3f}",
-        "-" if line.fitted_psnr is None else f"{line.fitted_psnr:.2f}",
+        f"{line.to_run.moving:.2f}",
+        f"{line.to_taken.everywhere:.2f}",
+        f"{line.to_taken.moving:.2f}",
+        "-" if line.fitted is None else f"{line.fitted.everywhere:.2f}",
+        "-" if line.fitted is None else f"{line.fitted.moving:.2f}",
         f"{line.coefficients}",
         f"{line.numbers / 1e6:.2f}",
         "-" if line.megabytes is None else f"{line.megabytes:.1f}",
@@ -90,19 +108,24 @@ def said(ablation: Ablation) -> str:
     counted = f"{len(ablation.shots)} pictures of held-out expressions, {len(capture.timesteps('train'))} moments"
     return (
         f"{capture.subject}, {camera.width}x{camera.height}: {counted} to learn from, {len(ablation.gem)} splats,"
-        f" {effort.components} components asked for, {effort.evaluations} evaluations a fit. {platform.machine()},"
+        f" {effort.evaluations} evaluations a fit. PSNR in decibels. {platform.machine()},"
         f" torch {torch.__version__}, {date.today()}."
     )
 
 
 def sheet(ablation: Ablation, lines: Sequence[Line], columns: int = 3) -> np.ndarray:
-    """Rows: taken, the run's own, and each variant beside its difference to the run's own."""
-    rows = [_captioned("taken", [np.hstack([x, np.ones_like(x)]) for x in ablation.taken[:columns]])]
-    rows.append(_captioned("the run", [np.hstack([x, np.ones_like(x)]) for x in ablation.drawn[:columns]]))
+    """Rows: taken, the run's own, each variant beside its difference to the run's own; the most frontal pictures."""
+    ahead = [shot.camera.center[2] / np.linalg.norm(shot.camera.center) for shot in ablation.shots]
+    places = np.argsort(ahead)[::-1][:columns]
+    rows = [_captioned("taken", [np.hstack([ablation.taken[p], np.ones_like(ablation.taken[p])]) for p in places])]
+    rows.append(
+        _captioned("the run", [np.hstack([ablation.drawn[p], np.ones_like(ablation.drawn[p])]) for p in places])
+    )
     for line in lines:
-        pairs = zip(line.images[:columns], ablation.drawn[:columns], strict=True)
-        cells = [np.hstack([x, error_map(x, own, ERROR_SCALE).astype(np.float32) / 255]) for x, own in pairs]
-        rows.append(_captioned(line.name, cells))
+        errors = [error_map(line.images[p], ablation.drawn[p], ERROR_SCALE).astype(np.float32) / 255 for p in places]
+        rows.append(
+            _captioned(line.name, [np.hstack([line.images[p], e]) for p, e in zip(places, errors, strict=True)])
+        )
     return np.vstack(rows)
 
 
