@@ -6,7 +6,7 @@ from typing import Any
 
 from ...models.metrics.tables import DIGITS, LARGER_IS_BETTER
 from .compared import compared, film_strip
-from .curves import curve_svg
+from .curves import color_of, curve_svg
 from .pictures import Gallery
 from .pieces import row, table
 
@@ -38,8 +38,12 @@ def _table(figures: Mapping[str, Any]) -> str:
     heads = ["", "maps", "components", *(f"{m} {'↑' if m in LARGER_IS_BETTER else '↓'}" for m in DIGITS)]
     heads += [*(f"MB {form}" for form in FORMS), "ms a frame", "frames/s"]
     rows = []
-    for told in figures["rows"]:
-        cells = [escape(told["avatar"]), str(told["maps"]), _count(told["components"])]
+    for index, told in enumerate(figures["rows"]):
+        cells = [
+            f"<i style='background:{color_of(index)}'></i>{escape(told['avatar'])}",
+            str(told["maps"]),
+            _count(told["components"]),
+        ]
         cells += [_number(told["means"].get(metric), digits) for metric, digits in DIGITS.items()]
         cells += [_number(told["megabytes"].get(form), 2) for form in FORMS]
         rows.append(row([*cells, _number(told["frame_ms"], 2), _number(told["fps"], 1)]))
@@ -57,8 +61,8 @@ def _published(figures: Mapping[str, Any]) -> str:
     for line, cells in lines.items():
         shown = [_cells(cells[size]) for size in maps]
         rows.append(row([f"<em>{cell}</em>" for cell in (escape(line), *(text for part in shown for text in part))]))
-    heads = ["in the paper *", *(f"{name}, {size} maps" for size in maps for name in ("PSNR", "MB", "frames/s"))]
-    return f"{table(heads, rows)}<p class='small'>* {escape(figures['published_of'])}</p>"
+    heads = ["*", *(f"{name}, {size} maps" for size in maps for name in ("PSNR", "MB", "frames/s"))]
+    return f"<h3>In the paper</h3>{table(heads, rows)}<p class='small'>* {escape(figures['published_of'])}</p>"
 
 
 def _cells(told: Mapping[str, Any]) -> list[str]:
@@ -66,14 +70,15 @@ def _cells(told: Mapping[str, Any]) -> list[str]:
 
 
 def _over_components(figures: Mapping[str, Any]) -> str:
-    """PSNR of each avatar by how many of its components are used."""
-    rows = [told for told in figures["rows"] if told["components"] is not None]
-    counts = sorted({told["components"] for told in rows})
+    """PSNR of each avatar by how many of its components are used; a run has no line, and keeps its colour."""
+    counts = sorted({told["components"] for told in figures["rows"] if told["components"] is not None})
     series: dict[str, list[float | None]] = {}
-    for told in rows:
+    for told in figures["rows"]:
         line = series.setdefault(f"{told['avatar']}, {told['maps']} maps", [None] * len(counts))
-        line[counts.index(told["components"])] = told["means"]["PSNR"]
-    return curve_svg("PSNR by components", series, [f"{count} components" for count in counts], DIGITS["PSNR"])
+        if told["components"] is not None:
+            line[counts.index(told["components"])] = told["means"]["PSNR"]
+    labels = [f"{count} components" for count in counts]
+    return curve_svg("PSNR by components, colours of the avatars", series, labels, DIGITS["PSNR"])
 
 
 def _over_time(figures: Mapping[str, Any]) -> str:
@@ -81,7 +86,7 @@ def _over_time(figures: Mapping[str, Any]) -> str:
     labels = [f"moment {picture['timestep']}, camera {picture['camera']}" for picture in pictures]
     names = [told["label"] for told in figures["rows"]]
     series = {name: [picture["values"][name]["PSNR"] for picture in pictures] for name in names}
-    return curve_svg("PSNR over the pictures", series, labels, DIGITS["PSNR"])
+    return curve_svg("PSNR over the pictures, colours of the rows", series, labels, DIGITS["PSNR"])
 
 
 def _count(components: int | None) -> str:
