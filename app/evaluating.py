@@ -64,12 +64,12 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
     try:
         (out / JUDGED).mkdir(parents=True, exist_ok=True)  # before hours are spent on what cannot be kept
         with ProgressBar() as bar:
+            if drivers:  # first: minutes, and only here is it found whether a driver shows a face
+                crossing = cross(drivers, columns, wish.crossing, out / JUDGED, bar)
             if footage is not None:
                 with seated(footage, shots, wish.lpips, wish.jobs, out / JUDGED, bar) as jury:
                     judged = judge_on(jury, columns)
                     sizes = judge_sizes(jury, columns, wish.components) if wish.components else None
-            if drivers:
-                crossing = cross(drivers, columns, wish.crossing, out / JUDGED, bar)
         about = None if footage is None else about_capture(footage)
         report = _report(about, columns, judged, sizes, crossing)
         write_whole(out / FIGURES, [(json.dumps(report, indent=1) + "\n").encode()])

@@ -10,6 +10,8 @@ from .crossing import crossing_section
 from .crossingpictures import CrossingPictures
 from .curves import color_of, curve_svg
 from .pictures import Gallery
+from .pieces import row as _row
+from .pieces import table as _table
 from .sizessection import sizes_section
 from .style import STYLE
 
@@ -150,13 +152,3 @@ def _best(metric: str, values: Sequence[float | None]) -> str:
     if not known:
         return ""
     return _number(metric, max(known) if metric in LARGER_IS_BETTER else min(known))
-
-
-def _table(heads: Sequence[str], rows: Sequence[str]) -> str:
-    head = "".join(f"<th>{escape(word)}</th>" for word in heads)
-    return f"<div class='wide'><table><tr>{head}</tr>{''.join(rows)}</table></div>"
-
-
-def _row(cells: Sequence[str]) -> str:
-    """Cells are HTML already."""
-    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"

@@ -36,7 +36,7 @@ class Album:
         picture = cv2.imdecode(self.packed[begin : int(self.ends[index])], cv2.IMREAD_COLOR)
         if picture is None or picture.shape != (SIDE, SIDE, 3):
             raise ValueError(f"picture {index} of an album is damaged")
-        return np.ascontiguousarray(picture[..., ::-1])
+        return np.ascontiguousarray(picture[..., ::-1], np.uint8)
 
 
 def packed(picture: Image) -> NDArray[np.uint8]:

@@ -9,7 +9,7 @@ READ_NOISE, SHOT_NOISE = 0.002, 0.0004
 """Standard deviation in the dark, and variance per light, in parts of full scale of linear light: at mid grey two to
 three of 255 levels, as a webcam has in a lit room in the evening."""
 GAMMA = 2.2
-BLUR = np.float32([0.25, 0.5, 0.25])
+BLUR = np.array([0.25, 0.5, 0.25], np.float32)
 """Neighbours share their noise: each pixel's colours are made of several cells of the sensor."""
 QUALITY = 85
 """Of the JPEGs in which webcams send their pictures."""
@@ -22,7 +22,7 @@ def resensed(picture: Image, box_px: tuple[int, int, int, int], rng: np.random.G
     noise = cv2.sepFilter2D(rng.standard_normal(light.shape, np.float32), -1, BLUR, BLUR) / (BLUR**2).sum()
     light = light + noise * np.sqrt(READ_NOISE**2 + SHOT_NOISE * light)
     sensed = np.round(255 * np.clip(light, 0, 1) ** (1 / GAMMA)).astype(np.uint8)
-    sent = cv2.imdecode(cv2.imencode(".jpg", sensed, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1], cv2.IMREAD_COLOR)
+    sent = cv2.imencode(".jpg", sensed, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1]
     answer = picture.copy()
-    answer[top:bottom, left:right] = sent
+    answer[top:bottom, left:right] = np.asarray(cv2.imdecode(sent, cv2.IMREAD_COLOR), np.uint8)
     return answer
