@@ -56,7 +56,9 @@ class Tracked:
     def still(self, kept: Kept) -> Still | None:
         """At his neutral under a webcam's noise; None where the tracker loses him there. Raises InputError, OSError."""
         try:
-            return kept.get("still", [*self.made_of, *CONDITIONS], Still, lambda: hold_still(self.clip, self.driver.frames()))
+            return kept.get(
+                "still", [*self.made_of, *CONDITIONS], Still, lambda: hold_still(self.clip, self.driver.frames())
+            )
         except UnseenDriver:
             return None
 
