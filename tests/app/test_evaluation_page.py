@@ -60,6 +60,15 @@ def test_a_curve_puts_larger_values_higher_and_leaves_gaps() -> None:
     assert "nan" not in curve_svg("L1", {"a": [0.0]}, ["x"], 4)
 
 
+def test_a_curve_of_many_pictures_is_lines_alone_in_given_colours() -> None:
+    series = {"driver": [0.1, None, 0.3], "avatar": [0.2, 0.2, 0.2]}
+    svg = curve_svg("jawOpen", series, ["0 s", "1 s", "2 s"], 2, colors=["#444444", "#0072b2"], dots=False)
+    assert "<circle" not in svg
+    lines = list(ElementTree.fromstring(svg).iter("polyline"))
+    assert [line.attrib["stroke"] for line in lines] == ["#444444", "#0072b2"]
+    assert len(lines[0].attrib["points"].split()) == 2
+
+
 def test_means_leave_out_what_was_not_measured() -> None:
     assert means([{"L1": 0.1, "FLIP": None}, {"L1": 0.3, "FLIP": None}]) == {"L1": 0.2, "FLIP": None}
     assert means([]) == {}

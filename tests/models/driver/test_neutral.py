@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from gemheads.models.driver.face import FaceObservation, FaceTracker
 from gemheads.models.driver.features import feature_vector
-from gemheads.models.driver.neutral import CANDIDATES, choose_neutral, neutral_of
+from gemheads.models.driver.neutral import CANDIDATES, choose_neutral, neutral_of, other_neutrals
 from gemheads.models.driver.points import SCORES
 from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 from numpy.typing import NDArray
@@ -90,6 +90,19 @@ def test_the_neutral_is_a_median_of_calm_neighbours(still_face: FaceObservation)
     clean = feature_vector(still_face)
     alone = np.mean([np.abs(feature_vector(face) - clean).mean() for face in noisy])
     assert np.abs(choice.features - clean).mean() < 0.8 * alone
+
+
+def test_other_neutrals_are_other_plausible_moments(still_face: FaceObservation) -> None:
+    faces = [scoring(still_face, "mouthSmileLeft", 0.05 + 0.001 * i) for i in range(12)]
+    faces += [turned(still_face, 40)] * 12
+    times = [i / 10 for i in range(len(faces))]
+    chosen = choose_neutral(faces, times).index
+    others = [other.index for other in other_neutrals(faces, times, 4)]
+    assert len(others) == 4
+    assert chosen not in others
+    assert max(others) < 12  # never the turned head
+    assert min(np.diff(sorted([chosen, *others]))) >= 2  # nor almost the same moment
+    assert other_neutrals([still_face], [0.0], 4) == ()
 
 
 def test_nobody_gives_no_neutral() -> None:
