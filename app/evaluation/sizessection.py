@@ -39,11 +39,8 @@ def _table(figures: Mapping[str, Any]) -> str:
     heads += [*(f"MB {form}" for form in FORMS), "ms a frame", "frames/s"]
     rows = []
     for index, told in enumerate(figures["rows"]):
-        cells = [
-            f"<i style='background:{color_of(index)}'></i>{escape(told['avatar'])}",
-            str(told["maps"]),
-            _count(told["components"]),
-        ]
+        dot = f"<i style='background:{color_of(index)}'></i>"
+        cells = [dot + escape(told["avatar"]), str(told["maps"]), _count(told["components"])]
         cells += [_number(told["means"].get(metric), digits) for metric, digits in DIGITS.items()]
         cells += [_number(told["megabytes"].get(form), 2) for form in FORMS]
         rows.append(row([*cells, _number(told["frame_ms"], 2), _number(told["fps"], 1)]))

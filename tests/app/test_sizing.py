@@ -24,6 +24,7 @@ from gemheads.models.metrics.pixels import psnr
 from gemheads.models.metrics.tables import METRICS, SIZES
 from gemheads.models.train.contestants import Act, GemContestant
 from gemheads.models.train.crew import Crew
+from gemheads.models.train.evaluate import Alone
 from gemheads.models.train.ledger import Record
 
 
@@ -74,19 +75,22 @@ def test_fewer_components_have_rows_of_their_own(
     assert "Components and map size" in (out / "report.html").read_text()
 
 
-def test_the_same_figures_by_two_processes(
+def test_so_many_processes_judge_as_were_asked_for(
     toy_capture: Path, avatar: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = (avatar, toy_capture, "--shots", 2)
-    assert evaluate(*words, "-o", tmp_path / "two", "--jobs", 2) == ExitCode.OK
-    monkeypatch.setattr(Crew, "_start", lambda *_: pytest.fail("one process was asked for"))
-    assert evaluate(*words, "-o", tmp_path / "one", "--jobs", 1) == ExitCode.OK
-    one, two = (json.loads((tmp_path / name / "report.json").read_text())["tables"] for name in ("one", "two"))
-    for tables in (one, two):
-        for table in tables.values():
-            del table["seconds_to_find"]
-    assert one == two
-    assert evaluate(*words, "-o", tmp_path / "two", "--jobs", 2) == ExitCode.OK  # nothing is left to judge
+    """That they find the same is in tests/models/train/test_crew.py."""
+    asked: list[int] = []
+
+    def alone(crew: Crew, identity: str, opens: Any) -> Alone:
+        asked.append(crew._jobs)
+        return Alone(opens(crew._capture), crew._capture, crew._judge())
+
+    monkeypatch.setattr(Crew, "judging", alone)
+    words = (avatar, toy_capture, "-o", tmp_path / "r", "--shots", 1, "--jobs")
+    assert evaluate(*words, 1) == ExitCode.OK
+    assert asked == []
+    assert evaluate(*words, 3) == ExitCode.OK
+    assert asked == [3]
 
 
 def test_as_many_processes_as_are_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
