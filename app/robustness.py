@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.crossing.extent import Extent, extent
 from ..models.crossing.kept import Kept
 from ..models.crossing.loop import answered
 from ..models.crossing.mirror import Mirror, UnseenAvatar
@@ -24,9 +25,9 @@ from .trials import SIZE, Trial
 
 @dataclass(frozen=True)
 class Robustness:
-    """Of one avatar by one way of driving it; all RMS in sigma."""
+    """Of one avatar by one way of driving it."""
 
-    expression: float
+    expression: Extent
     """Of the coefficients over all clips, away from what a neutral gives: what the others are held to."""
     jitter: dict[str, Jitter]
     """Driver -> while he stands still; without those whom the tracker loses under noise."""
@@ -34,7 +35,7 @@ class Robustness:
     """Avatar whose head turns -> what leaks into the expression; without those that the tracker does not see."""
     correlations: dict[str, NDArray[np.float64]]
     """Driver -> [channels] standard deviation of the correlations over neutrals."""
-    means: dict[str, float]
+    means: dict[str, Extent]
     """Driver -> spread of the mean coefficients over neutrals."""
     neutrals: dict[str, int]
     """Driver -> how many there are beside the chosen one."""
@@ -59,14 +60,13 @@ def robustness(
         begin: told what begins and how many parts it has; gives what is called after each part.
     """
     gem, express = trial.gem, trial.express
-    squares, count = 0.0, 0
+    away: list[NDArray[np.float32]] = []
     jitters: dict[str, Jitter] = {}
     correlations: dict[str, NDArray[np.float64]] = {}
-    means: dict[str, float] = {}
+    means: dict[str, Extent] = {}
     for tracked, answers in zip(clips, coefficients, strict=True):
         at_rest, _ = answered(express, tracked.clip.neutral, tracked.clip.neutral)
-        squares += float((((answers - at_rest) / gem.sigma) ** 2).sum())
-        count += answers.size
+        away.append(answers - at_rest)
         still = tracked.still(kept)
         if still is not None:
             jitters[tracked.name] = jitter(still, tracked.clip.neutral, express, gem, EXPRESSION_FILTER)
@@ -80,7 +80,7 @@ def robustness(
         correlations[tracked.name] = spread_of_correlations(swayed)
         means[tracked.name] = spread_of_means(swayed, gem)
     return Robustness(
-        expression=float(np.sqrt(squares / max(count, 1))),
+        expression=extent(np.concatenate(away), gem),
         jitter=jitters,
         leaks={name: leak(turned, express, gem) for name, turned in heads.items()},
         correlations=correlations,

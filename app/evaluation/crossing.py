@@ -51,7 +51,8 @@ def _correlations(figures: Figures) -> str:
     heads = ["", *(channel["name"] for channel in channels)]
     text = "Correlation over time of avatar and driver, median over the drivers who move the channel at all."
     legend = "<span class='met'>reached</span>, <span class='missed'>missed</span>."
-    return f"<h3>Does it do what the driver does?</h3><p class='small'>{text} {legend}</p>{table(heads, rows)}"
+    told = f"<p class='small'>{text} {legend}</p><div class='tight'>{table(heads, rows)}</div>"
+    return f"<h3>Does it do what the driver does?</h3>{told}"
 
 
 def _embeddings(figures: Figures) -> str:
@@ -87,37 +88,27 @@ def _robustness(figures: Figures) -> str:
     rows = []
     for told in figures["rows"]:
         found = told["robustness"]
-        jitter = found["jitter"]
         leaks = [
-            f"{_marked(_number(leak['yaw_ratio'], 2), leak['met'])} ({escape(head)}; all of its way"
-            f" {_number(leak['all_ratio'], 2)})"
+            f"{_marked(_number(leak['yaw_ratio']['sigma'], 2), leak['met'])} / {_number(leak['yaw_ratio']['mm'], 2)}"
+            f" &ensp;{escape(head)}"
             for head, leak in found["pose_leak"].items()
         ]
         cells = [
-            _number(found["expression_sigma"], 3),
-            _number(jitter["raw_sigma"], 4),
-            _number(jitter["smoothed_sigma"], 4),
+            _pair(found["expression"], 2, 2),
+            _pair(found["jitter"]["raw"], 3, 3),
+            _pair(found["jitter"]["smoothed"], 3, 3),
             "<br>".join(leaks) or "not seen",
-            _number(found["neutrals"]["mean_sigma"], 3),
-            _number(found["neutrals"]["mean_ratio"], 2),
+            _pair(found["neutrals"]["mean_ratio"], 2, 2),
         ]
         rows.append(row([_who(told), *cells]))
     leak = figures["pose_leak"]
-    heads = [
-        "",
-        "expression",
-        "jitter",
-        "smoothed",
-        f"pose leak, goal {leak['goal']:g}",
-        "other neutrals",
-        "of expression",
-    ]
+    heads = ["", "expression", "jitter", "smoothed", f"pose leak, goal {leak['goal']:g}", "other neutrals"]
     text = (
-        "RMS of coefficients in sigma. Expression: over all clips, away from what the neutral gives. Jitter: the driver"
-        " stands still at his neutral before a webcam's noise, without and with the smoothing of the live window."
-        f" Pose leak: an avatar that keeps its expression turns its head by {leak['yaw_deg']:g} degrees to either side,"
-        f" as part of expression; its whole way goes {leak['pitch_deg']:g} degrees up and down and around, too. Other"
-        " neutrals: how far mean coefficients move between neutrals that might have been chosen as well."
+        "RMS of coefficients in sigma / millimetres that splats are moved. Expression: over all clips, away from what"
+        " the neutral gives. Jitter: the driver stands still at his neutral before a webcam's noise, without and with the"
+        f" smoothing of the live window. Pose leak: an avatar that keeps its expression turns its head by"
+        f" {leak['yaw_deg']:g} degrees to either side; as part of expression. Other neutrals: how far mean coefficients"
+        " move between neutrals that might have been chosen as well; as part of expression."
     )
     return f"<h3>Is it steady?</h3><p class='small'>{escape(text)}</p><div class='steady'>{table(heads, rows)}</div>"
 
@@ -131,8 +122,8 @@ def _neutrals(figures: Figures) -> str:
     counts = sorted({driver["other_neutrals"] for driver in figures["drivers"]})
     many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
     text = f"Standard deviation of the correlations over the chosen neutral and {many} others, median over drivers."
-    told = table(["", *channels], rows)
-    return f"<details><summary>Under other neutrals</summary><p class='small'>{text}</p>{told}</details>"
+    told = f"<p class='small'>{text}</p><div class='tight'>{table(['', *channels], rows)}</div>"
+    return f"<details><summary>Under other neutrals</summary>{told}</details>"
 
 
 def _scene(driver: Figures, rows: Sequence[Figures], scene: Scene) -> str:
@@ -193,6 +184,10 @@ def _every_channel(told: Figures, figures: Figures) -> str:
     )
     name = escape(f"{told['avatar']}, {told['driving']}")
     return f"<details><summary>Every channel: {name}</summary><p class='small'>{text}</p>{table(heads, rows)}</details>"
+
+
+def _pair(found: Figures, digits: int, of_mm: int) -> str:
+    return f"{_number(found['sigma'], digits)} / {_number(found['mm'], of_mm)}"
 
 
 def _followed(of: Figures, channel: Figures) -> str:

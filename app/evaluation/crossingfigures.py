@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from ...models.crossing.compare import Compared
 from ...models.crossing.embedding import Agreement
+from ...models.crossing.extent import Extent
 from ...models.crossing.turning import GOAL, PITCH_DEG, YAW_DEG
 from ...models.metrics.tables import CROSSING, CROSSING_BY
 
@@ -111,39 +112,52 @@ def _compared_json(compared: Compared) -> dict[str, Any]:
 
 
 def _robustness_json(found: "Robustness") -> dict[str, Any]:
-    size = max(found.expression, 1e-9)
-    jitters, spreads = list(found.jitter.values()), np.stack(list(found.correlations.values()))
+    """RMS of coefficients, in sigma and in millimetres that splats move; ratios are to the RMS of expression."""
+    whole, jitters = found.expression, list(found.jitter.values())
+    spreads = np.stack(list(found.correlations.values()))
     return {
-        "expression_sigma": _plain(found.expression),
+        "expression": _extent_json(whole),
         "jitter": {
-            "raw_sigma": _median([jitter.raw for jitter in jitters]),
-            "smoothed_sigma": _median([jitter.smoothed for jitter in jitters]),
-            "drivers": {name: asdict(jitter) for name, jitter in found.jitter.items()},
+            "raw": _middle_json([jitter.raw for jitter in jitters]),
+            "smoothed": _middle_json([jitter.smoothed for jitter in jitters]),
+            "drivers": {
+                name: {"raw": _extent_json(jitter.raw), "smoothed": _extent_json(jitter.smoothed)}
+                for name, jitter in found.jitter.items()
+            },
         },
         "pose_leak": {
             head: {
-                "yaw_sigma": _plain(leak.at_yaw),
-                "all_sigma": _plain(leak.all),
-                "yaw_ratio": _plain(leak.at_yaw / size),
-                "all_ratio": _plain(leak.all / size),
-                "met": leak.at_yaw <= GOAL * size,
+                "yaw": _extent_json(leak.at_yaw),
+                "yaw_ratio": _extent_json(leak.at_yaw.over(whole)),
+                "all": _extent_json(leak.all),
+                "all_ratio": _extent_json(leak.all.over(whole)),
+                "met": leak.at_yaw.over(whole).sigma <= GOAL,
             }
             for head, leak in found.leaks.items()
         },
         "neutrals": {
             "count": dict(found.neutrals),
             "correlation_spread": _medians(spreads[:, : len(JUDGED)]),
-            "mean_sigma": _median(list(found.means.values())),
-            "mean_ratio": _median([spread / size for spread in found.means.values()]),
+            "mean": _middle_json(list(found.means.values())),
+            "mean_ratio": _middle_json([spread.over(whole) for spread in found.means.values()]),
             "drivers": {
                 name: {
                     "correlation_spread": dict(zip(JUDGED, map(_plain, spread[: len(JUDGED)]), strict=True)),
-                    "mean_sigma": _plain(found.means[name]),
+                    "mean": _extent_json(found.means[name]),
                 }
                 for name, spread in found.correlations.items()
             },
         },
     }
+
+
+def _extent_json(found: Extent) -> dict[str, float | None]:
+    return {"sigma": _plain(found.sigma), "mm": _plain(found.mm)}
+
+
+def _middle_json(found: Sequence[Extent]) -> dict[str, float | None]:
+    """Medians."""
+    return {"sigma": _median([e.sigma for e in found]), "mm": _median([e.mm for e in found])}
 
 
 def _agreement_json(found: Agreement | None) -> dict[str, float] | None:

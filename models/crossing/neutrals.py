@@ -10,6 +10,7 @@ from ..gem import Gem
 from .channels import CHANNELS, table
 from .clip import Clip
 from .compare import FEWEST_SEEN, likeness
+from .extent import Extent, extent
 from .loop import Express, answered
 from .mirror import Mirror
 from .reading import Array, Reading, stacked
@@ -63,7 +64,6 @@ def spread_of_correlations(swayed: Swayed) -> Array:
     return swayed.correlations.std(0)
 
 
-def spread_of_means(swayed: Swayed, gem: Gem) -> float:
-    """RMS over neutrals and coefficients of how far the mean coefficients are from their average, in sigma."""
-    away = (swayed.means - swayed.means.mean(0)) / gem.sigma
-    return float(np.sqrt((away**2).mean()))
+def spread_of_means(swayed: Swayed, gem: Gem) -> Extent:
+    """How far the mean coefficients are from their average over the neutrals."""
+    return extent(swayed.means - swayed.means.mean(0), gem)

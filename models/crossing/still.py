@@ -10,8 +10,9 @@ from ..driver.face import FaceTracker
 from ..driver.smoothing import OneEuro, Smoothed, step
 from ..gem import Gem
 from .clip import Clip, UnseenDriver
+from .extent import Extent, extent
 from .loop import Express, answered
-from .reading import Array, Image, Reading, Readings, read, stacked
+from .reading import Image, Reading, Readings, read, stacked
 from .webcam import QUALITY, READ_NOISE, SHOT_NOISE, resensed
 
 FRAMES = 75
@@ -37,10 +38,10 @@ class Still:
 
 @dataclass(frozen=True)
 class Jitter:
-    """RMS over frames and coefficients of how far they are from their mean, in sigma."""
+    """How far coefficients are from their mean over the frames."""
 
-    raw: float
-    smoothed: float
+    raw: Extent
+    smoothed: Extent
     """After the filter of the live window."""
 
 
@@ -93,12 +94,8 @@ def jitter(still: Still, neutral: Reading, express: Express, gem: Gem, smoothing
     raw, smoothed = [], []
     for i in range(len(still.readings)):
         coefficients, _ = answered(express, still.readings[i], neutral)
-        raw.append((coefficients - gem.rest_coefficients) / gem.sigma)
-        state = step(smoothing, state, raw[-1], 1 / RATE)
-        smoothed.append(state.value)
-    return Jitter(*(_unrest(np.asarray(values[SETTLING:], np.float64)) for values in (raw, smoothed)))
-
-
-def _unrest(sigmas: Array) -> float:
-    """RMS of [F, n] about its mean."""
-    return float(np.sqrt(((sigmas - sigmas.mean(0)) ** 2).mean()))
+        raw.append(coefficients)
+        state = step(smoothing, state, (coefficients - gem.rest_coefficients) / gem.sigma, 1 / RATE)
+        smoothed.append(state.value * gem.sigma)
+    settled = (np.asarray(values[SETTLING:], np.float64) for values in (raw, smoothed))
+    return Jitter(*(extent(values - values.mean(0), gem) for values in settled))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gem import Gem
+from .extent import Extent, extent
 from .loop import Express, answered
 from .mirror import LOOKS, Mirror, UnseenAvatar
 from .reading import Array, Reading, Readings, stacked
@@ -32,11 +33,11 @@ class Turned:
 
 @dataclass(frozen=True)
 class Leak:
-    """RMS of how far coefficients go from what the neutral gives, in sigma."""
+    """How far coefficients go from what the neutral gives."""
 
-    at_yaw: float
+    at_yaw: Extent
     """At YAW_DEG to either side."""
-    all: float
+    all: Extent
     """Over the whole path."""
 
 
@@ -78,6 +79,5 @@ def leak(turned: Turned, express: Express, gem: Gem) -> Leak:
     """What a driver that only turns his head makes an avatar's expression do."""
     still, _ = answered(express, turned.neutral, turned.neutral)
     answers = np.stack([answered(express, turned.readings[i], turned.neutral)[0] for i in range(len(turned.readings))])
-    squares = (((answers - still) / gem.sigma) ** 2).mean(1)
     sideways = (np.abs(turned.angles[:, 0]) == YAW_DEG) & (turned.angles[:, 1] == 0)
-    return Leak(float(np.sqrt(squares[sideways].mean())), float(np.sqrt(squares.mean())))
+    return Leak(extent((answers - still)[sideways], gem), extent(answers - still, gem))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from gemheads.models.crossing import neutrals
 from gemheads.models.crossing.clip import Clip, UnseenDriver
+from gemheads.models.crossing.extent import Extent
 from gemheads.models.crossing.mirror import UnseenAvatar
 from gemheads.models.crossing.neutrals import spread_of_correlations, spread_of_means, sway
 from gemheads.models.crossing.still import FRAMES, Still, hold_still, jitter
@@ -45,10 +46,11 @@ def test_jitter_is_the_rms_in_sigma_and_smoothing_lessens_it(clip: Clip, tiny_ge
     away = rng.normal(0, 0.2, (FRAMES, tiny_gem.coefficient_count))
     answers = iter(tiny_gem.rest_coefficients + tiny_gem.sigma * away)
     found = jitter(still, clip.neutral, lambda *_: next(answers).astype(np.float32), tiny_gem, OneEuro(1.0, 0.0))
-    assert found.raw == pytest.approx(0.2, rel=0.1)
-    assert found.smoothed < 0.6 * found.raw
+    assert found.raw.sigma == pytest.approx(0.2, rel=0.1)
+    assert found.smoothed.sigma < 0.6 * found.raw.sigma
+    assert 0 < found.smoothed.mm < 0.6 * found.raw.mm
     calm = jitter(still, clip.neutral, lambda *_: tiny_gem.rest_coefficients, tiny_gem, OneEuro())
-    assert (calm.raw, calm.smoothed) == (0, 0)
+    assert calm.raw == calm.smoothed == Extent(0, 0)
 
 
 def test_the_neutral_has_to_be_there_again(clip: Clip) -> None:
@@ -76,10 +78,15 @@ def test_a_leak_is_what_the_turn_alone_does(mirror: PaintedMirror, tiny_gem: Gem
         return tiny_gem.rest_coefficients + tiny_gem.sigma * np.float32(rotation[1])
 
     found = leak(turned, leaking, tiny_gem)
-    assert found.at_yaw == pytest.approx(np.radians(YAW_DEG), rel=0.03)
-    assert 0 < found.all < found.at_yaw
+    assert found.at_yaw.sigma == pytest.approx(np.radians(YAW_DEG), rel=0.03)
+    assert 0 < found.all.sigma < found.at_yaw.sigma
+    sigma = tiny_gem.sigma[tiny_gem.slices["position"]].astype(float)
+    wanted = 1000 * np.radians(YAW_DEG) * np.sqrt((sigma**2).sum() / len(tiny_gem))
+    assert found.at_yaw.mm == pytest.approx(wanted, rel=0.03)
+    assert found.at_yaw.over(found.at_yaw) == Extent(1, 1)
+    assert found.at_yaw.over(Extent(0, 0)) == Extent(0, 0)
     tight = leak(turned, lambda *_: tiny_gem.rest_coefficients + 5, tiny_gem)
-    assert (tight.at_yaw, tight.all) == (0, 0)
+    assert tight.at_yaw == tight.all == Extent(0, 0)
 
 
 def test_an_avatar_that_is_not_seen_from_the_side_gives_no_leak(mirror: PaintedMirror) -> None:
@@ -100,9 +107,9 @@ def test_neutrals_shift_the_mean_and_not_what_is_copied(
     relative = clip.readings.features[clip.others] - clip.neutral.features
     shifts = np.array([0, *(-express(r, np.zeros(3))[1] for r in relative)])
     np.testing.assert_allclose(swayed.means[:, 1] - swayed.means[0, 1], shifts, atol=1e-5)
-    assert spread_of_means(swayed, tiny_gem) > 0
+    assert spread_of_means(swayed, tiny_gem).sigma > 0
     frozen = neutrals.Swayed(swayed.correlations, np.ones_like(swayed.means))
-    assert spread_of_means(frozen, tiny_gem) == 0
+    assert spread_of_means(frozen, tiny_gem) == Extent(0, 0)
 
 
 def test_a_still_has_its_readings(clip: Clip) -> None:
