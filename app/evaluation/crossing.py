@@ -105,8 +105,8 @@ def _robustness(figures: Figures) -> str:
     heads = ["", "expression", "jitter", "smoothed", f"pose leak, goal {leak['goal']:g}", "other neutrals"]
     text = (
         "RMS of coefficients in sigma / millimetres that splats are moved. Expression: over all clips, away from what"
-        " the neutral gives. Jitter: the driver stands still at his neutral before a webcam's noise, without and with the"
-        f" smoothing of the live window. Pose leak: an avatar that keeps its expression turns its head by"
+        " the neutral gives. Jitter: the driver stands still at his neutral before a webcam's noise, without and with"
+        f" the smoothing of the live window. Pose leak: an avatar that keeps its expression turns its head by"
         f" {leak['yaw_deg']:g} degrees to either side; as part of expression. Other neutrals: how far mean coefficients"
         " move between neutrals that might have been chosen as well; as part of expression."
     )

@@ -19,9 +19,7 @@ class Extent:
 
     def over(self, whole: "Extent") -> "Extent":
         """As parts of another, in which there is some expression (else 0)."""
-        return Extent(
-            *(part / all_ if all_ > 0 else 0.0 for part, all_ in ((self.sigma, whole.sigma), (self.mm, whole.mm)))
-        )
+        return Extent(_share(self.sigma, whole.sigma), _share(self.mm, whole.mm))
 
 
 def extent(away: NDArray[np.floating], gem: Gem) -> Extent:
@@ -29,3 +27,7 @@ def extent(away: NDArray[np.floating], gem: Gem) -> Extent:
     squares = (np.asarray(away, np.float64) ** 2).mean(0)
     moved = squares[gem.slices["position"]].sum() / len(gem)
     return Extent(float(np.sqrt((squares / gem.sigma**2).mean())), 1000 * float(np.sqrt(moved)))
+
+
+def _share(part: float, whole: float) -> float:
+    return part / whole if whole > 0 else 0.0
