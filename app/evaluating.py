@@ -71,7 +71,7 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
                     judged = judge_on(jury, columns)
                     sizes = judge_sizes(jury, columns, wish.components) if wish.components else None
         about = None if footage is None else about_capture(footage)
-        report = _report(about, columns, judged, sizes, crossing)
+        report = _report(_command(avatar, capture, wish), about, columns, judged, sizes, crossing)
         write_whole(out / FIGURES, [(json.dumps(report, indent=1) + "\n").encode()])
         write_whole(out / PAGE, [_page(report, judged, sizes, crossing).encode()])
     except CaptureError as error:
@@ -110,7 +110,21 @@ def _page(report: Mapping[str, Any], judged: Judged, sizes: Sizes | None, crossi
     return page(report, judged.galleries, sizes and sizes.gallery, crossing and crossing.shown)
 
 
+def _command(avatar: str, capture: Path | None, wish: EvaluateWish) -> str:
+    """The command line, names without the folders of this machine; what has no say in the figures is left out."""
+    words = ["gemheads evaluate", Path(avatar).name, *([] if capture is None else [capture.resolve().name])]
+    words += ["--against", *(Path(word).name for word in wish.against)] if wish.against else []
+    if capture is not None:
+        words += ["--all" if wish.shots is None else f"--shots {wish.shots}", f"--lpips {wish.lpips}"]
+        words += ["--components", *map(str, wish.components)] if wish.components else []
+    if wish.crossing.drivers:
+        words += ["--drivers", *(Path(word).name for word in wish.crossing.drivers)]
+        words += [f"--every {wish.crossing.every}", f"--seconds {wish.crossing.seconds:g}"]
+    return " ".join([*words, "-o REPORT"])
+
+
 def _report(
+    command: str,
     capture: dict[str, Any] | None,
     columns: Sequence[Entrant],
     judged: Judged,
@@ -121,6 +135,7 @@ def _report(
     return {
         "version": VERSION,
         "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": command,
         "machine": {"processor": cpu_name(), "cores": os.cpu_count()},
         "versions": {**versions(), **{package: _version(package) for package in ("torch", "flip-evaluator")}},
         "capture": capture,

@@ -140,7 +140,8 @@ def _pictures(table: Mapping[str, Any], names: Sequence[str]) -> str:
 def _made(report: Mapping[str, Any]) -> str:
     machine = ", ".join(f"{name} {value}" for name, value in report["machine"].items())
     versions = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
-    return f"<footer><p>{escape(report['made'])}. {escape(machine)}. {escape(versions)}.</p></footer>"
+    command = f"<p><code>{escape(report['command'])}</code></p>"
+    return f"<footer>{command}<p>{escape(report['made'])}. {escape(machine)}. {escape(versions)}.</p></footer>"
 
 
 def _number(metric: str, value: float | None) -> str:

@@ -1,0 +1,87 @@
+"""docs/results.md: everything that was measured, of the reports that ``gemheads evaluate`` has written.
+
+    gemheads evaluate X.gem CAPTURE --against ... --components 10 30 50 -o build/people     # Tables 1, 2 and 4
+    gemheads evaluate mara --against theo jonah --drivers CLIP... -o build/strangers        # Table 3, robustness
+    python tests/bench/results.py build/people build/strangers                              # docs/results.md
+
+Reports stand in the order that is given. What docs/peers.md and docs/ablations.md hold (each says by which command) is
+taken over. ``--print`` only prints.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from gemheads.models.wholefile import write_whole
+from results.sections import UnknownReport, section
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "results.md"
+ELSEWHERE = {
+    "peers.md": ("Beside other viewers", "python tests/bench/peers/compare.py --write"),
+    "ablations.md": ("Open choices", "python tests/bench/ablations.py CAPTURE RUN --docs docs/ablations.md"),
+}
+"""Page in docs/ -> its heading here, and the command that prints it."""
+HEAD = """# Results
+
+Printed by `python tests/bench/results.py REPORT...` of what `gemheads evaluate` wrote; each section says by which
+command, when, and on which machine. *The paper's own figures stand in columns of their own: they are of another data
+set (real people, 802x550) and another machine, and say what to expect, not who wins.* What the columns mean:
+[commands.md](commands.md#evaluate). The way to these avatars, stage by stage: [learning.md](learning.md). Speed of
+drawing: [speed.md](speed.md). People never seen, with film strips: [closed-loop.md](closed-loop.md).
+"""
+
+
+def main() -> int:
+    """The command; see ``--help``."""
+    parser = argparse.ArgumentParser(description="Print docs/results.md from reports of gemheads evaluate.")
+    parser.add_argument("reports", type=Path, nargs="+", help="folders with report.json")
+    parser.add_argument("--print", action="store_true", help="only print, write nothing")
+    options = parser.parse_args()
+    try:
+        text = results(options.reports)
+    except (OSError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 3
+    if options.print:
+        print(text)
+        return 0
+    write_whole(PAGE, [text.encode()])
+    print(PAGE.relative_to(ROOT))
+    return 0
+
+
+def results(reports: list[Path], docs: Path = PAGE.parent) -> str:
+    """The page. Raises OSError, ValueError for what is no report, UnknownReport."""
+    parts = [HEAD]
+    for folder in reports:
+        path = folder / "report.json"
+        try:
+            parts.append(section(json.loads(path.read_text("utf-8"))))
+        except UnknownReport as error:
+            raise UnknownReport(f"{path}: {error}") from error
+    for name, (heading, command) in ELSEWHERE.items():
+        tables = tables_of(docs / name)
+        if tables:
+            about = f"From [{name}]({name}), which says what was measured how."
+            parts.append(f"## {heading}\n\n    {command}\n\n{about}\n\n{tables}\n")
+    return "\n".join(parts)
+
+
+def tables_of(page: Path) -> str:
+    """The tables of a page and the lists before them, as they are there; empty where there is none."""
+    if not page.is_file():
+        return ""
+    lines = page.read_text("utf-8").splitlines()
+    if not any(line.startswith("|") for line in lines):
+        return ""
+    kept = [line for line in lines if line.startswith(("|", "- ")) or not line.strip()]
+    blocks = [block for block in "\n".join(kept).split("\n\n") if block.strip()]
+    return "\n\n".join(block.strip("\n") for block in blocks)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,1 @@
+"""What report.json files of ``gemheads evaluate`` say, as the tables of docs/results.md."""

@@ -1,0 +1,113 @@
+"""docs/results.md is printed of what evaluate really writes."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("torch", reason="evaluating needs the extra gemheads[train]")
+
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+from gemheads.models.metrics.tables import CROSSING, CROSSING_BY
+
+from .sections import UnknownReport, section, table
+
+BENCH = Path(__file__).resolve().parents[1] / "bench" / "results.py"
+
+
+@pytest.fixture(scope="module")
+def folder(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A report with the tables of pictures and of components."""
+    out = tmp_path_factory.mktemp("results")
+    words = ("--maps", "16", "--components", "2")
+    assert main(["distill", str(toy_capture), "-o", str(out / "a_b.gem"), *words]) == ExitCode.OK
+    words = ("-o", str(out / "r"), "--shots", "1", "--lpips", "none", "--components", "1", "2")
+    assert main(["evaluate", str(out / "a_b.gem"), str(toy_capture), *words]) == ExitCode.OK
+    return out / "r"
+
+
+@pytest.fixture
+def report(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "report.json").read_text())
+
+
+def crossing() -> dict[str, Any]:
+    """What evaluate --drivers adds, as far as it is printed."""
+    leak = {"own": {"yaw_ratio": 0.2}}
+    steady = {"expression_sigma": 1.0, "jitter": {"raw_sigma": 0.0123, "smoothed_sigma": 0.01}, "pose_leak": leak}
+    row = {
+        "avatar": "mara",
+        "driving": "regressor",
+        "median": {"jaw": 0.987, "gaze": None},
+        "embedding": {"cosine": 0.5, "l1": 0.25, "frechet": 2.0},
+        "fps": 61.0,
+        "robustness": {**steady, "neutrals": {"mean_ratio": 0.4}},
+    }
+    channels = [{"name": name, "goal": 0.97, "second_opinion": False} for name in ("jaw", "gaze")]
+    return {
+        "every": 3,
+        "seconds": 30.0,
+        "size": 384,
+        "channels": [*channels, {"name": "lip gap", "goal": None, "second_opinion": True}],
+        "pose_leak": {"goal": 0.25, "yaw_deg": 20.0},
+        "drivers": [{"name": "clip"}],
+        "rows": [row],
+        "published": CROSSING,
+        "published_by": CROSSING_BY,
+    }
+
+
+def test_every_table_says_its_command_machine_and_the_papers_figures(report: dict[str, Any]) -> None:
+    text = section(report)
+    command = "    gemheads evaluate a_b.gem toy --shots 1 --lpips none --components 1 2 -o REPORT"
+    assert command in text.splitlines()
+    assert report["machine"]["processor"] in text
+    assert "Table 1, novel view" in text
+    psnr = report["tables"]["test"]["means"]["a_b"]["PSNR"]
+    assert f"| PSNR | {psnr:.2f} | *32.68* | *29.25* | *28.31* |" in text
+    sizes = [line for line in text.splitlines() if line.startswith(r"| a\_b | 16 | ")]
+    assert [line.split(" | ")[2] for line in sizes] == ["1", "2"]
+    assert "-o REPORT" in text
+
+
+def test_drivers_are_the_third_table(report: dict[str, Any]) -> None:
+    text = section({**report, "crossing": crossing()})
+    assert "| cosine ↑ | 0.5000 | *0.9381* |" in text
+    assert "| jaw | 0.97 | 0.987 |" in text
+    assert "| gaze | 0.97 | - |" in text
+    assert "lip gap" not in text
+    assert "| pose leak at 20 degrees of yaw (own), of expression | 0.25 | 0.20 |" in text
+
+
+def test_rows_are_as_long_as_their_heads(report: dict[str, Any]) -> None:
+    lines = section({**report, "crossing": crossing()}).splitlines()
+    lengths = []
+    for line, before in zip(lines, ["", *lines], strict=False):
+        if line.startswith("| "):
+            count = line.replace("\\|", "").count("|")
+            assert not before.startswith("| ") or count == lengths[-1]
+            lengths.append(count)
+    assert len(lengths) > 20
+    assert table(["a"], [["b"]]) == "| a |\n| --- |\n| b |"
+
+
+def test_a_report_of_another_version_is_named(report: dict[str, Any]) -> None:
+    del report["command"]
+    with pytest.raises(UnknownReport, match="'command'; make it again"):
+        section(report)
+
+
+def test_the_bench_prints_it(folder: Path) -> None:
+    words = [sys.executable, str(BENCH), str(folder), "--print"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.startswith("# Results")
+    assert "## Beside other viewers" in done.stdout
+    done = subprocess.run(
+        [sys.executable, str(BENCH), "nowhere"], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 3
+    assert done.stderr.startswith("error: ")
