@@ -180,7 +180,9 @@ def _every_channel(told: Figures, figures: Figures) -> str:
         rows.append(row(cells))
     heads = ["correlation", *drivers, "amplitude", "unrest"]
     text = (
-        "Amplitude and unrest: avatar over driver, median. Last rows: landmark distances, which do not use the scores."
+        "Correlation over time; in grey, where the driver stands still, how far the avatar moves (from 1 on it counts as"
+        " movement). Amplitude and unrest: avatar over driver, median. Last rows: landmark distances, which do not go"
+        " through the scores."
     )
     name = escape(f"{told['avatar']}, {told['driving']}")
     return f"<details><summary>Every channel: {name}</summary><p class='small'>{text}</p>{table(heads, rows)}</details>"

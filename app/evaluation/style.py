@@ -24,7 +24,7 @@ figcaption { font-size: .87em; color: #555 }
 .met { color: #00663f; font-weight: 600; white-space: nowrap } .met::after { content: "\\2713" }
 .missed { color: #a8320a }
 .scene { width: 100% } .scene th { width: 11em } .scene img { width: 100% }
-.tight :is(th, td) { padding: .25em .5em }
+.tight { font-size: .93em } .tight :is(th, td) { padding: .25em .45em }
 .steady :is(th, td):nth-child(5) { text-align: left; max-width: 34em } .key td { border: 0; padding: 0 1em 0 0 }
 .worst { display: flex; flex-wrap: wrap; gap: .6em } .worst figure { width: 112px } .worst img { width: 100% }
 .worst figcaption { font-size: .75em; line-height: 1.3 }
