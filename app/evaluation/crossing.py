@@ -180,7 +180,7 @@ def _every_channel(told: Figures, figures: Figures) -> str:
         rows.append(row(cells))
     heads = ["correlation", *drivers, "amplitude", "unrest"]
     text = (
-        "Correlation over time; in grey, where the driver stands still, how far the avatar moves (from 1 on it counts as"
+        "Correlation over time; in grey, where the driver stands still, how far the avatar moves (from 1 on it is"
         " movement). Amplitude and unrest: avatar over driver, median. Last rows: landmark distances, which do not go"
         " through the scores."
     )
