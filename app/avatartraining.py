@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..models.train.plan import Model, Plan
     from ..models.train.train_avatar import Outcome
 
+MAPS = (64, 128, 256, 512)
 LEAST_STEPS, MOST_STEPS = 1, 10_000_000
 
 
@@ -28,6 +29,8 @@ class TrainWish:
     perceptual: bool = True
     seed: int = 0
     model: "Model" = "cnn"
+    maps: int | None = None
+    """Texels along a side of the UV map; None takes the preset's."""
 
 
 def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
@@ -59,7 +62,9 @@ def _planned(wish: TrainWish) -> "Plan":
         raise UsageError(f"--steps {wish.steps}: choose from {LEAST_STEPS} to {MOST_STEPS}")
     if wish.seed < 0:
         raise UsageError(f"--seed {wish.seed}: choose 0 or more")
-    return PRESETS[wish.preset].changed(wish.steps, wish.perceptual, wish.seed, wish.model)
+    if wish.maps is not None and wish.maps not in MAPS:
+        raise UsageError(f"--maps {wish.maps}: choose from {', '.join(map(str, MAPS))}")
+    return PRESETS[wish.preset].changed(wish.steps, wish.perceptual, wish.seed, wish.model, wish.maps)
 
 
 def _perceptual(plan: "Plan") -> "Perceptual | None":

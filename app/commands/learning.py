@@ -58,6 +58,7 @@ def train(
     model: Literal["cnn", "rigged", "blendshapes"] = "cnn",
     preset: str = "tiny",
     steps: int | None = None,
+    maps: int | None = None,
     perceptual: bool = True,
     seed: int = 0,
 ) -> int:
@@ -70,12 +71,13 @@ def train(
             blendshapes (a mean and an offset for each ARKit shape).
         preset: tiny (minutes on two cores), small (hours), full (a GPU).
         steps: How long. Default: the preset's.
+        maps: Texels along a side of the UV map, one splat each: 64, 128, 256 or 512. Default: the preset's.
         perceptual: With the VGG term of equation 2, whose weights are fetched once; --no-perceptual without.
         seed: The same seed and capture give the same avatar on a CPU.
     """
     from ..avatartraining import TrainWish, run_avatar_training
 
-    return run_avatar_training(capture, out, TrainWish(preset, steps, perceptual, seed, model))
+    return run_avatar_training(capture, out, TrainWish(preset, steps, perceptual, seed, model, maps))
 
 
 def refine(

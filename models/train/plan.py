@@ -77,11 +77,19 @@ class Plan:
         """The network's part of it."""
         return Architecture(self.size, self.width, self.levels)
 
-    def changed(self, steps: int | None = None, perceptual: bool = True, seed: int = 0, model: Model = "cnn") -> "Plan":
-        """Another length, seed, model, or no VGG term; short runs spend at most a tenth on colours alone."""
+    def changed(
+        self,
+        steps: int | None = None,
+        perceptual: bool = True,
+        seed: int = 0,
+        model: Model = "cnn",
+        size: int | None = None,
+    ) -> "Plan":
+        """Another length, seed, model or map size, or no VGG term; short runs spend a tenth at most on colours."""
         steps = self.steps if steps is None else steps
         return replace(
             self,
+            size=self.size if size is None else size,
             steps=steps,
             colors_first=min(self.colors_first, -(-steps // 10)),
             perceptual=self.perceptual if perceptual else 0.0,

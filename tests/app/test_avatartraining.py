@@ -24,16 +24,19 @@ def train(*words: object) -> int:
 
 def test_a_run_is_told_of_and_distilled(capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = tmp_path / "run"
-    assert train(capture, "-o", run, "--steps", 3, "--no-perceptual", "--seed", 5) == ExitCode.OK
+    words = ("--no-perceptual", "--seed", 5, "--maps", 64)
+    assert train(capture, "-o", run, "--steps", 3, *words) == ExitCode.OK
     said = capsys.readouterr().out
     assert "trained for 3 steps" in said
     assert "dB on the held-out camera" in said
     assert "without the VGG term" in said
     assert (run / "previews" / "000003.png").is_file()
     assert main(["distill", str(run), "-o", str(tmp_path / "toy.gem"), "--components", "2"]) == ExitCode.OK
-    assert len(load_gem(tmp_path / "toy.gem")) > 1000
+    gem = load_gem(tmp_path / "toy.gem")
+    assert gem.uv_size == 64
+    assert len(gem) > 1000
     capsys.readouterr()
-    assert train(capture, "-o", run, "--steps", 4, "--no-perceptual", "--seed", 5) == ExitCode.INPUT
+    assert train(capture, "-o", run, "--steps", 4, *words) == ExitCode.INPUT
     assert "run of other settings; give the same ones" in capsys.readouterr().err
 
 
@@ -43,6 +46,7 @@ def test_a_run_is_told_of_and_distilled(capture: Path, tmp_path: Path, capsys: p
         (["--preset", "huge"], ExitCode.USAGE, "choose from tiny, small, full"),
         (["--steps", "0"], ExitCode.USAGE, "--steps 0: choose from"),
         (["--seed", "-1"], ExitCode.USAGE, "choose 0 or more"),
+        (["--maps", "96"], ExitCode.USAGE, "--maps 96: choose from 64, 128, 256, 512"),
     ],
 )
 def test_wrong_words(
