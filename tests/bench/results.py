@@ -1,11 +1,9 @@
-"""docs/results.md: everything that was measured, of the reports that ``gemheads evaluate`` has written.
+"""docs/results.md: everything that was measured, printed of the reports that ``gemheads evaluate`` has written.
 
-    gemheads evaluate X.gem CAPTURE --against ... --components 10 30 50 -o build/people     # Tables 1, 2 and 4
-    gemheads evaluate mara --against theo jonah --drivers CLIP... -o build/strangers        # Table 3, robustness
-    python tests/bench/results.py build/people build/strangers                              # docs/results.md
+    python tests/bench/results.py REPORT... [--print]
 
 Reports stand in the order that is given. What docs/peers.md and docs/ablations.md hold (each says by which command) is
-taken over. ``--print`` only prints.
+taken over. The page itself begins with the commands that make all of it anew (SEQUENCE).
 """
 
 import argparse
@@ -25,13 +23,30 @@ ELSEWHERE = {
     "ablations.md": ("Open choices", "python tests/bench/ablations.py CAPTURE RUN --docs docs/ablations.md"),
 }
 """Page in docs/ -> its heading here, and the command that prints it."""
-HEAD = """# Results
+SEQUENCE = """examples/learn_an_avatar.sh learned
+gemheads train learned/capture -o learned/rigged --model rigged
+gemheads train learned/capture -o learned/blendshapes --model blendshapes
+gemheads train learned/capture -o learned/run64 --maps 64
+gemheads distill learned/run64 -o learned/maps64.gem --components 30
+gemheads evaluate learned/avatar.gem learned/capture --components 5 10 20 30 -o build/results/learned \\
+    --against learned/maps64.gem learned/run learned/rigged learned/blendshapes
+gemheads evaluate mara --against theo jonah --drivers CLIP... -o build/results/strangers
+python tests/bench/peers/compare.py --write
+python tests/bench/ablations.py learned/capture learned/run --docs docs/ablations.md
+python tests/bench/results.py build/results/learned build/results/strangers"""
+HEAD = f"""# Results
 
 Printed by `python tests/bench/results.py REPORT...` of what `gemheads evaluate` wrote; each section says by which
 command, when, and on which machine. *The paper's own figures stand in columns of their own: they are of another data
 set (real people, 802x550) and another machine, and say what to expect, not who wins.* What the columns mean:
 [commands.md](commands.md#evaluate). The way to these avatars, stage by stage: [learning.md](learning.md). Speed of
 drawing: [speed.md](speed.md). People never seen, with film strips: [closed-loop.md](closed-loop.md).
+
+All of it anew:
+
+```
+{SEQUENCE}
+```
 """
 
 

@@ -6,6 +6,8 @@ from typing import Any
 Report = Mapping[str, Any]
 DIGITS = {"PSNR": 2, "SSIM": 4, "LPIPS": 4, "L1": 4, "FLIP": 4}
 NUMBERS = {"val": "Table 1", "test": "Table 2"}
+ENOUGH = 12
+"""Pictures; means of fewer are called a first look."""
 EMBEDDING = {"cosine": 4, "l1": 4, "frechet": 3}
 WORDS = {"cosine": "cosine ↑", "l1": "L1 ↓", "frechet": "Fréchet distance ↓", "fps": "frames/s ↑"}
 
@@ -78,7 +80,9 @@ def _pictures(number: str, found: Mapping[str, Any]) -> str:
     ]
     heads = ["", *map(_plain, found["means"]), *(f"*paper: {name}*" for name in published)]
     about = f"**{number}, {found['title'].lower()}**: {found['about'].split('(')[0].strip()},"
-    return f"{about} {len(found['pictures'])} pictures. *Paper: {found['published_of']}.*\n\n{table(heads, rows)}"
+    count = len(found["pictures"])
+    told = f"{count} pictures" + (", too few for more than a first look" if count < ENOUGH else "")
+    return f"{about} {told}. *Paper: {found['published_of']}.*\n\n{table(heads, rows)}"
 
 
 def _sizes(found: Mapping[str, Any]) -> str:
