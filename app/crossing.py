@@ -1,7 +1,7 @@
 """``evaluate --drivers``: avatars driven by people they never saw, and compared with them (Table 3 of the paper)."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from ..models.crossing.embedding import Floats, agreement
 from ..models.crossing.kept import Kept
 from ..models.crossing.loop import Echo, echo
 from ..models.crossing.mirror import UnseenAvatar
+from ..models.crossing.pace import paces
 from ..models.crossing.turning import Turned
 from .drivers import Driver, Tracked
 from .entrants import Entrant
@@ -81,7 +82,9 @@ def cross(
             if tried:
                 bar.begin(f"{entrant.column.name}: turning the head", None)
                 heads = turning_heads(entrant, kept)
-                rows += [_row(trial, clips, heads, pictures, kept, bar) for trial in tried]
+                found = [_row(trial, clips, heads, pictures, kept, bar) for trial in tried]
+                speeds = paces(clips[0].clip, [trial.express for trial in tried], tried[0].mirror)
+                rows += [replace(row, pace=pace) for row, pace in zip(found, speeds, strict=True)]
         except UnseenAvatar as error:
             notes.append(f"{entrant.column.name} is left out: {error}.")
     if not rows:
@@ -106,7 +109,6 @@ def _row(
         return bar.advance
 
     compared: dict[str, Compared] = {}
-    steps: list[float] = []
     coefficients: list[NDArray[np.float32]] = []
     embeddings: list[tuple[Floats, Floats]] = []
     for tracked in clips:
@@ -116,11 +118,10 @@ def _row(
         shown = kept.get("echo", [*tracked.made_of, *trial.made_of], Echo, made)
         found = compare(clip, shown)
         compared[tracked.name] = found
-        steps.append(shown.step_secs)
         coefficients.append(shown.coefficients)
         if found.agreement is not None:
             embeddings.append(relative_embeddings(clip, shown))
         pictures.add(tracked.name, trial.avatar, WORDS[trial.driving], shown, found)
     pooled = agreement(*(np.concatenate(part) for part in zip(*embeddings, strict=True))) if embeddings else None
     steady = robustness(trial, clips, coefficients, heads, kept, begin)
-    return Row(trial.avatar, WORDS[trial.driving], compared, pooled, float(np.median(steps)), steady)
+    return Row(trial.avatar, WORDS[trial.driving], compared, pooled, steady)

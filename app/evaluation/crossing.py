@@ -61,7 +61,7 @@ def _embeddings(figures: Figures) -> str:
     for told in figures["rows"]:
         found = told["embedding"] or {}
         cells = [_number(found.get(name), digits) for name, digits in _EMBEDDING.items()]
-        rows.append(row([_who(told), *cells, f"{told['fps']:.0f}", f"{told['fps_with_tracking']:.0f}"]))
+        rows.append(row([_who(told), *cells, _number(told["fps"], 0), _number(told["fps_with_tracking"], 0)]))
     for name, values in figures["published"].items():
         cells = [
             f"{values['cosine']:.4f}",
@@ -75,7 +75,8 @@ def _embeddings(figures: Figures) -> str:
     text = (
         "All drivers together. The embedding is the face tracker's own [512], driver and avatar each relative to their"
         " neutral; it is not the paper's network, so only rows of one kind can be compared. By chance: the cosine when"
-        " frames are paired at random. fps: one step of express, compose and draw by the software engine, median."
+        " frames are paired at random. fps: one step of express, compose and draw by the software engine, median; the"
+        " rows of one avatar were measured by turns."
     )
     note = f"<p class='small'>* {escape(figures['published_by'])}.</p>"
     return f"<h3>Expression embedding and speed</h3><p class='small'>{escape(text)}</p>{table(heads, rows)}{note}"

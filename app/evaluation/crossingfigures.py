@@ -11,6 +11,7 @@ from ...models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from ...models.crossing.compare import Compared
 from ...models.crossing.embedding import Agreement
 from ...models.crossing.extent import Extent
+from ...models.crossing.pace import Pace
 from ...models.crossing.turning import GOAL, PITCH_DEG, YAW_DEG
 from ...models.metrics.tables import CROSSING, CROSSING_BY
 
@@ -33,16 +34,15 @@ class Row:
     """Driver -> how well the avatar followed."""
     pooled: Agreement | None
     """Of the embeddings of all drivers; None where the avatar was hardly seen."""
-    step_secs: float
-    """Median over drivers of a reenactment step without tracking."""
     robustness: "Robustness"
+    pace: Pace | None = None
+    """How fast it was, by turns with the avatar's other rows; never kept, since it depends on the hour."""
 
 
 def crossing_json(
     rows: Sequence[Row], clips: Sequence["Tracked"], size: int, every: int, seconds: float, notes: Sequence[str]
 ) -> dict[str, Any]:
     """The part of report.json. ``size`` is the side of the avatars' pictures in pixels."""
-    tracking = float(np.median([tracked.clip.tracking_secs for tracked in clips]))
     return {
         "every": every,
         "seconds": seconds,
@@ -52,8 +52,7 @@ def crossing_json(
         ],
         "pose_leak": {"goal": GOAL, "yaw_deg": YAW_DEG, "pitch_deg": PITCH_DEG},
         "drivers": [_driver_json(tracked) for tracked in clips],
-        "tracking_ms": round(1000 * tracking, 2),
-        "rows": [_row_json(row, tracking) for row in rows],
+        "rows": [_row_json(row) for row in rows],
         "published": {name: dict(values) for name, values in CROSSING.items()},
         "published_by": CROSSING_BY,
         "notes": list(notes),
@@ -82,7 +81,7 @@ def _driver_json(tracked: "Tracked") -> dict[str, Any]:
     }
 
 
-def _row_json(row: Row, tracking_secs: float) -> dict[str, Any]:
+def _row_json(row: Row) -> dict[str, Any]:
     correlation = np.stack([compared.likeness.correlation for compared in row.compared.values()])
     median = _medians(correlation[:, : len(JUDGED)])
     return {
@@ -91,11 +90,20 @@ def _row_json(row: Row, tracking_secs: float) -> dict[str, Any]:
         "median": median,
         "met": {channel.name: _met(median[channel.name], channel.goal) for channel in SCORE_CHANNELS},
         "embedding": _agreement_json(row.pooled),
-        "step_ms": round(1000 * row.step_secs, 2),
-        "fps": round(1 / row.step_secs, 1),
-        "fps_with_tracking": round(1 / (row.step_secs + tracking_secs), 1),
+        **_pace_json(row.pace),
         "robustness": _robustness_json(row.robustness),
         "drivers": {name: _compared_json(compared) for name, compared in row.compared.items()},
+    }
+
+
+def _pace_json(pace: Pace | None) -> dict[str, float | None]:
+    if pace is None:
+        return {"step_ms": None, "tracking_ms": None, "fps": None, "fps_with_tracking": None}
+    return {
+        "step_ms": round(1000 * pace.step, 2),
+        "tracking_ms": round(1000 * pace.tracking, 2),
+        "fps": round(1 / pace.step, 1),
+        "fps_with_tracking": round(1 / (pace.step + pace.tracking), 1),
     }
 
 

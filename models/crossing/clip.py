@@ -1,6 +1,5 @@
 """A driver's clip as readings: it streams through the tracker once, and only numbers and small pictures stay."""
 
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -42,8 +41,6 @@ class Clip:
     """[F] faces."""
     lost: int
     """Frames without a face."""
-    tracking_secs: float
-    """Median over frames that it took to track one."""
 
 
 def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float) -> Clip:
@@ -61,7 +58,6 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
     faces: list[FaceObservation] = []
     times: list[float] = []
     pictures: list[NDArray[np.uint8]] = []
-    spent: list[float] = []
     lost = 0
     first: float | None = None
     for i, (picture, now) in enumerate(frames):
@@ -70,9 +66,7 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         first = now if first is None else first
         if now - first > seconds or len(faces) == MOST_FRAMES:
             break
-        began = time.perf_counter()
         face = tracker.track(picture)
-        spent.append(time.perf_counter() - began)
         if face is None:
             lost += 1
             continue
@@ -92,7 +86,6 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         others=np.array([other.index for other in other_neutrals(faces, times, OTHERS)], np.int64),
         pictures=bound(pictures),
         lost=lost,
-        tracking_secs=float(np.median(spent)),
     )
 
 

@@ -1,6 +1,5 @@
 """The closed loop: a clip drives an avatar, and the tracker reads the avatar's own pictures."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -31,8 +30,6 @@ class Echo:
     """[F, n]"""
     pictures: Album
     """[F]"""
-    step_secs: float
-    """Median over frames of what it took to express, compose, pose and draw one."""
 
 
 def answered(express: Express, reading: Reading, neutral: Reading) -> tuple[NDArray[np.float32], Array]:
@@ -56,14 +53,11 @@ def echo(
     seen: list[bool] = []
     coefficients: list[NDArray[np.float32]] = []
     pictures: list[NDArray[np.uint8]] = []
-    spent: list[float] = []
     neutral = mirror.neutral(components)
     mirror.restart()
     for i in range(len(clip.readings)):
-        began = time.perf_counter()
         answer, rotation = answered(express, clip.readings[i], clip.neutral)
         picture = mirror.draw(answer, rotation, components)
-        spent.append(time.perf_counter() - began)
         reading = mirror.read(picture)
         seen.append(reading is not None)
         if reading is not None:
@@ -77,5 +71,4 @@ def echo(
         neutral=neutral,
         coefficients=np.stack(coefficients),
         pictures=bound(pictures),
-        step_secs=float(np.median(spent)),
     )

@@ -1,5 +1,6 @@
 """The loop, and what is made of a driver beside an avatar."""
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.compare import WORST, WORST_APART_SECS, compare, worst_frames
 from gemheads.models.crossing.loop import echo
 from gemheads.models.crossing.mirror import UnseenAvatar
+from gemheads.models.crossing.pace import paces
 from numpy.typing import NDArray
 from pixelface import painted
 
@@ -113,3 +115,21 @@ def test_a_channel_that_stands_still_on_the_avatar_has_no_correlation_and_no_war
     assert np.isfinite(unrests(driver, frozen)).all()
     assert moving(driver)[[JAW, SMILE, YAW, PUCKER]].tolist() == [True, True, True, False]
     assert painted(jaw=1)[0, 0, 0] > painted()[0, 0, 0]
+
+
+def test_ways_of_driving_are_timed_by_turns(clip: Clip, mirror: PaintedMirror, express: Express) -> None:
+    order: list[str] = []
+
+    def slow(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+        order.append("slow")
+        time.sleep(0.004)
+        return express(relative, rotation)
+
+    def quick(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+        order.append("quick")
+        return express(relative, rotation)
+
+    one, other = paces(clip, [slow, quick], mirror)
+    assert order == ["slow", "quick"] * (len(order) // 2)
+    assert one.step > 0.004 > other.step > 0
+    assert one.tracking > 0
