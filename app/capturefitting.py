@@ -37,8 +37,8 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
     try:
-        from ..models.train.fit import FIRST, THOROUGH, limit_share
-        from ..models.train.fitcapture import fit_moments
+        from ..models.train.fit import THOROUGH, limit_share
+        from ..models.train.fitcapture import ALONE, fit_moments
     except ImportError as error:
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     cast, footage = open_avatar(avatar), opened(capture)
@@ -51,7 +51,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
     with ProgressBar() as bar:
         bar.begin(out.name, len({shot.timestep for shot in shots}))
         try:
-            for moment in fit_moments(cast.gem, footage, shots, THOROUGH if wish.thorough else FIRST):
+            for moment in fit_moments(cast.gem, footage, shots, THOROUGH if wish.thorough else ALONE):
                 fit = moment.fit
                 share = limit_share(cast.gem, fit.coefficients)
                 poses[moment.timestep] = Pose(fit.coefficients, fit.pose.turn, clamped=share, translation=fit.pose.move)

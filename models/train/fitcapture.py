@@ -11,8 +11,12 @@ from ...render.camera import Camera
 from ..captures.layout import Shot
 from ..captures.reader import Capture
 from ..gem import Gem
-from .fit import FIRST, NEXT, Effort, Fit, HeadPose, Start, fit
+from .fit import Effort, Fit, HeadPose, Stage, Start, fit
 
+ALONE = Effort((Stage(64, 6, pose_only=True), Stage(None, 32)), adam_steps=1)
+"""A moment of which nothing is known but the head's place ..."""
+FOLLOWING = Effort((Stage(None, 16),), adam_steps=1)
+"""... and one that follows another: captures show moments far apart, so it takes longer than a video's next frame."""
 LARGEST_SIDE = 512
 """Pictures are brought down to this before they are fitted: more pixels tell little more, and cost."""
 NEIGHBOURS = 3
@@ -34,7 +38,7 @@ class FittedMoment:
 
 
 def fit_moments(
-    gem: Gem, capture: Capture, shots: Sequence[Shot], effort: Effort = FIRST, following: Effort = NEXT
+    gem: Gem, capture: Capture, shots: Sequence[Shot], effort: Effort = ALONE, following: Effort = FOLLOWING
 ) -> Iterator[FittedMoment]:
     """Expression and pose of every moment that the shots show, in order of time.
 
