@@ -29,7 +29,7 @@ def crossing_section(figures: Figures, pictures: CrossingPictures) -> str:
 def _lead(figures: Figures) -> str:
     count = len(figures["drivers"])
     text = (
-        f"{count} {'person drives' if count == 1 else 'people drive'} the avatars: each {_nth(figures['every'])} frame"
+        f"{count} {'person drives' if count == 1 else 'people drive'} the avatars: each {_nth(figures['every'])}frame"
         f" of the first {figures['seconds']:g} s, without smoothing. The face tracker then reads the avatar's own"
         f" pictures ({figures['size']}x{figures['size']}), and both are compared, each relative to its own neutral. The"
         " baseline has learned nothing: the tracker's scores as ARKit weights. The tracker that judges is the one that"
@@ -212,4 +212,5 @@ def _number(value: float | None, digits: int) -> str:
 
 
 def _nth(number: int) -> str:
-    return "" if number == 1 else {2: "second", 3: "third"}.get(number, f"{number}th")
+    """The word before "frame"."""
+    return "" if number == 1 else {2: "second ", 3: "third "}.get(number, f"{number}th ")

@@ -48,11 +48,12 @@ def frechet(one: Floats, other: Floats) -> float:
 
     |m - m'|^2 + tr(C + C' - 2 (C C')^(1/2)), Heusel et al. 2017. With X and X' centred and scaled so that C = X^T X,
     the last trace is the sum of the singular values of X X'^T: no root of an E x E matrix, and exact with few frames.
+    Of many frames the triangles of X = QR and X' = Q'R' are enough, since Q and Q' change no singular value.
     """
     x, y = (np.asarray(cloud, np.float64) for cloud in (one, other))
     apart = ((x.mean(0) - y.mean(0)) ** 2).sum()
     x, y = ((cloud - cloud.mean(0)) / np.sqrt(max(len(cloud) - 1, 1)) for cloud in (x, y))
-    common = np.linalg.svd(x @ y.T, compute_uv=False).sum()
+    common = np.linalg.svd(np.linalg.qr(x, "r") @ np.linalg.qr(y, "r").T, compute_uv=False).sum()
     return float(max(apart + (x**2).sum() + (y**2).sum() - 2 * common, 0.0))
 
 
