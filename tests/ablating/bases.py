@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from gemheads.models.gem import CLAMP_SIGMAS
 from numpy.typing import NDArray
 
 from .spaces import Floats, Row
@@ -35,6 +36,13 @@ class Linear:
         told = [(x - mean) @ read for x, mean, read in zip(row, self.means, self.reading, strict=True)]
         if self.shared:
             told = [sum(told[1:], told[0])] * len(told)
+        return tuple(mean + k @ basis for mean, k, basis in zip(self.means, told, self.components, strict=True))
+
+    def drawn(self, rng: np.random.Generator) -> Row:
+        """A row whose coefficients are drawn evenly from what a regressor may answer: +-3 sigma."""
+        told = [CLAMP_SIGMAS * sigma * rng.uniform(-1, 1, len(sigma)) for sigma in self.sigma]
+        if self.shared:
+            told = told[:1] * len(told)
         return tuple(mean + k @ basis for mean, k, basis in zip(self.means, told, self.components, strict=True))
 
     @property

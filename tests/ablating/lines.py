@@ -26,6 +26,8 @@ from .spaces import Row, Space
 
 Image = NDArray[np.float32]
 AS_IT_IS = "as it is"
+DRAWS = 20
+"""Sets of coefficients by lot."""
 MOVES = 2 / 255
 """A pixel moves where the run's own picture differs by more than this from the run at rest in the same pose."""
 
@@ -57,8 +59,8 @@ class Line:
     """One variant."""
 
     name: str
-    to_run: Quality
-    """What it draws of projected splats, against what the run's own splats look like ..."""
+    to_run: Quality | None
+    """What it draws of projected splats, against what the run's own splats look like (None for the run) ..."""
     to_taken: Quality
     """... and against the pictures that were taken."""
     fitted: Quality | None
@@ -66,6 +68,8 @@ class Line:
     coefficients: int
     numbers: int
     """In the components of all modalities."""
+    impossible: float | None
+    """Share of splats that coefficients drawn from +-3 sigma make impossible, so that they are cut; None: not asked."""
     megabytes: float | None
     """Of the file; None for what no file can hold."""
     off_orthonormal: float | None
@@ -96,6 +100,8 @@ class Ablation:
         """All of them, one after the other; ``folder`` holds avatars meanwhile."""
         rest, gem = self._source.rest, self.gem
         raw = Space(rest)
+        taken = self._near(self.drawn, self.taken)
+        yield Line("the run, not reduced", None, taken, None, 0, 0, None, None, None, tuple(self.drawn))
         yield self._reduced(AS_IT_IS, raw, one_each, searched=True)
         yield self._reduced(
             "metres and opacities, not their logarithms and logits", Space(rest, activated=True), one_each
@@ -118,14 +124,16 @@ class Ablation:
         model = model_of([space.row(frame) for frame in self._frames], self.effort.components)
         answers = [space.splats(model.answer(space.row(raw))) for raw in self.held_out]
         off = None if model.shared else off_orthonormal(model.components)
-        return self._line(name, answers, model if searched else None, model.count, model.numbers, None, off)
+        rng = np.random.default_rng(0)
+        cut = float(np.mean([space.impossible(model.drawn(rng)) for _ in range(DRAWS)]))
+        return self._line(name, answers, model if searched else None, model.count, model.numbers, cut, None, off)
 
     def _stored(self, name: str, gem: Gem, megabytes: float | None, model: Linear | None = None) -> Line:
         answers = [gem.compose(gem.project(raw)) for raw in self.held_out]
         bases = [gem.bases[modality].components for modality in MODALITIES]
         numbers = sum(basis.size for basis in bases)
         off = off_orthonormal(bases)
-        return self._line(name, answers, model, gem.coefficient_count, numbers, megabytes, off)
+        return self._line(name, answers, model, gem.coefficient_count, numbers, None, megabytes, off)
 
     def _refined(self, name: str) -> Line:
         moments = {}
@@ -150,6 +158,7 @@ class Ablation:
         model: Linear | None,
         coefficients: int,
         numbers: int,
+        impossible: float | None,
         megabytes: float | None,
         off: float | None,
     ) -> Line:
@@ -164,6 +173,7 @@ class Ablation:
             found,
             coefficients,
             numbers,
+            impossible,
             megabytes,
             off,
             tuple(images),

@@ -51,6 +51,13 @@ class Space:
         parts = (positions.reshape(-1, 3), self._wxyz(rotation), scales, opacities, self.reference.colors)
         return RawGaussians(*(np.ascontiguousarray(part, np.float32) for part in parts))
 
+    def impossible(self, row: Row) -> float:
+        """Share of the splats that have a length below 0 or an opacity beyond 0..1, and so are cut."""
+        if not self.activated:
+            return 0.0
+        scales, opacities = row[2].reshape(-1, 3), row[3]
+        return float(((scales <= 0).any(1) | (opacities < 0) | (opacities > 1)).mean())
+
     def _flat_turns(self, wxyz: Floats) -> Floats:
         if not self.tangent:
             return sign_aligned(wxyz, self.reference.wxyz)

@@ -59,6 +59,8 @@ def test_what_is_linear_may_leave_what_is_possible(frames: list[RawGaussians]) -
     space = Space(frames[0], activated=True)
     positions, rotation, scales, opacities = space.row(frames[0])
     cut = space.splats((positions, rotation, scales - 1, opacities + 2))
+    assert space.impossible((positions, rotation, scales - 1, opacities)) == 1
+    assert space.impossible(space.row(frames[0])) == 0
     assert np.isfinite(cut.log_scales).all()
     assert np.isfinite(cut.opacity_logits).all()
 
@@ -109,8 +111,10 @@ def test_a_fit_comes_nearer(
 
 def test_every_line_is_measured(capture: Capture, run: Run, tmp_path: Path) -> None:
     lines = {line.name: line for line in Ablation(capture, run, SMALL).lines(tmp_path)}
-    assert len(lines) == 9
-    assert all(np.isfinite([line.to_run.moving, line.to_taken.everywhere]).all() for line in lines.values())
+    assert len(lines) == 10
+    assert [line.to_run is None for line in lines.values()] == [True] + 9 * [False]
+    assert all(np.isfinite([line.to_taken.moving, line.to_taken.everywhere]).all() for line in lines.values())
+    assert lines[AS_IT_IS].impossible == 0
     assert lines["fp32 basis"].to_taken.moving == pytest.approx(lines[AS_IT_IS].to_taken.moving, abs=0.01)
     sizes = [lines[f"{kind} basis"].megabytes or 0 for kind in ("int8", "fp16", "fp32")]
     assert 0 < sizes[0] < sizes[1] < sizes[2]

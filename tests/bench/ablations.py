@@ -29,7 +29,7 @@ from gemheads.models.wholefile import write_whole
 MARKS = "<!-- table -->", "<!-- end of table -->"
 HEADS = (
     *("", "to the run, moving", "to taken", "to taken, moving", "fitted", "fitted, moving"),
-    *("coefficients", "numbers, M", "file, MB", "off orthonormal"),
+    *("coefficients", "numbers, M", "cut, %", "file, MB", "off orthonormal"),
 )
 QUICK = Effort(components=4, shots=2, iterations=10, evaluations=4)
 ERROR_SCALE = 0.03
@@ -88,13 +88,14 @@ def row(line: Line) -> str:
     """One row of it."""
     cells = [
         line.name,
-        f"{line.to_run.moving:.2f}",
+        "-" if line.to_run is None else f"{line.to_run.moving:.2f}",
         f"{line.to_taken.everywhere:.2f}",
         f"{line.to_taken.moving:.2f}",
         "-" if line.fitted is None else f"{line.fitted.everywhere:.2f}",
         "-" if line.fitted is None else f"{line.fitted.moving:.2f}",
-        f"{line.coefficients}",
-        f"{line.numbers / 1e6:.2f}",
+        f"{line.coefficients or '-'}",
+        f"{line.numbers / 1e6:.2f}" if line.numbers else "-",
+        "-" if line.impossible is None else f"{100 * line.impossible:.1f}",
         "-" if line.megabytes is None else f"{line.megabytes:.1f}",
         "-" if line.off_orthonormal is None else f"{line.off_orthonormal:.0e}",
     ]
@@ -108,7 +109,7 @@ def said(ablation: Ablation) -> str:
     counted = f"{len(ablation.shots)} pictures of held-out expressions, {len(capture.timesteps('train'))} moments"
     return (
         f"{capture.subject}, {camera.width}x{camera.height}: {counted} to learn from, {len(ablation.gem)} splats,"
-        f" {effort.evaluations} evaluations a fit. PSNR in decibels. {platform.machine()},"
+        f" {effort.evaluations} evaluations a fit. {platform.machine()},"
         f" torch {torch.__version__}, {date.today()}."
     )
 
