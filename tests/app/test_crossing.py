@@ -2,6 +2,8 @@
 
 import json
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -105,6 +107,8 @@ def test_all_drivers_drive_all_avatars_by_all_ways(
     assert evaluate(learned, "--against", tiny, "--drivers", *drivers, "-o", out, "--every", 1) == ExitCode.OK
     said = capsys.readouterr().out
     assert "Driven by strangers, learned, regressor: " in said
+    assert "sigma, " in said
+    assert "pose leak " in said
     assert "tiny has no regressor: only the baseline drives it." in said
     report = report_of(out)
     assert [driver["name"] for driver in report["drivers"]] == ["ann", "bob"]
@@ -296,3 +300,17 @@ def test_what_is_kept_depends_on_the_version(
     monkeypatch.setattr(kept, "VERSION", 99)
     assert evaluate(*words) == ExitCode.OK
     assert len(set((tmp_path / "r" / "judged" / "crossing").iterdir())) == 2 * len(files)
+
+
+def test_results_are_printed_of_it(learned: Path, drivers: tuple[Path, Path], tmp_path: Path) -> None:
+    out = tmp_path / "r"
+    assert evaluate(learned, "--drivers", drivers[0], "-o", out, "--every", 1) == ExitCode.OK
+    bench = Path(__file__).resolve().parents[1] / "bench" / "results.py"
+    words = [sys.executable, str(bench), str(out), "--print"]
+    text = subprocess.run(words, capture_output=True, text=True, timeout=60, check=True).stdout
+    assert "    gemheads evaluate learned.gem --drivers ann.mp4 --every 1 --seconds 30 -o REPORT" in text
+    row = report_of(out)["rows"][0]
+    assert f"| cosine ↑ | {row['embedding']['cosine']:.4f} | " in text
+    smile = next(line for line in text.splitlines() if line.startswith("| mouthSmile | 0.97 | "))
+    assert f" {row['median']['mouthSmile']:.3f} |" in smile
+    assert f"| RMS of expression |  | {row['robustness']['expression']['sigma']:.2f} / " in text

@@ -133,7 +133,7 @@ def _crossing(found: Mapping[str, Any]) -> Iterator[str]:
         rows.append([word, *(_number(value, digits) for value in ours), *cited])
     heads = ["", *who, *(f"*paper: {name}*" for name in found["published"])]
     yield (
-        f"**Table 3, driven by people never seen**: {people}; each {found['every']}. frame of {found['seconds']:g} s."
+        f"**Table 3, driven by people never seen**: {people}; one frame in {found['every']} of their first {found['seconds']:g} s."
         " The embedding is the face tracker's own; frames/s of express, compose and draw at"
         f" {found['size']}x{found['size']}. *Paper: {found['published_by']}.*\n\n{table(heads, rows)}"
     )
@@ -145,25 +145,29 @@ def _crossing(found: Mapping[str, Any]) -> Iterator[str]:
     ]
     about = "correlation over time of avatar and driver, median over the drivers who move the channel."
     yield f"**The closed loop**: {about}\n\n{table(['', 'goal', *who], rows)}"
-    if found["rows"] and "robustness" in found["rows"][0]:
-        yield _robustness(found, who)
+    yield _robustness(found, who)
 
 
 def _robustness(found: Mapping[str, Any], who: Sequence[str]) -> str:
     steady = [row["robustness"] for row in found["rows"]]
-    heads = list(dict.fromkeys(head for told in steady for head in told["pose_leak"]))
-    goal = f"{found['pose_leak']['goal']:g}"
-    rows = [
-        ["RMS of expression, sigma", "", *(_number(told["expression_sigma"], 3) for told in steady)],
-        ["jitter on a still face, sigma", "", *(_number(told["jitter"]["raw_sigma"], 4) for told in steady)],
-        ["the same, smoothed", "", *(_number(told["jitter"]["smoothed_sigma"], 4) for told in steady)],
+    leak = found["pose_leak"]
+    leaks = [
+        "; ".join(f"{_pair(of['yaw_ratio'])} ({_plain(head)})" for head, of in told["pose_leak"].items())
+        for told in steady
     ]
-    for head in heads:
-        leaks = [told["pose_leak"].get(head, {}).get("yaw_ratio") for told in steady]
-        word = f"pose leak at {found['pose_leak']['yaw_deg']:g} degrees of yaw ({_plain(head)}), of expression"
-        rows.append([word, goal, *(_number(leak, 2) for leak in leaks)])
-    rows.append(["other neutrals, of expression", "", *(_number(told["neutrals"]["mean_ratio"], 2) for told in steady)])
-    return f"**Robustness**\n\n{table(['', 'goal at most', *who], rows)}"
+    rows = [
+        ["RMS of expression", "", *(_pair(told["expression"]) for told in steady)],
+        ["jitter on a still face", "", *(_pair(told["jitter"]["raw"], 3) for told in steady)],
+        ["the same, smoothed", "", *(_pair(told["jitter"]["smoothed"], 3) for told in steady)],
+        [f"pose leak at {leak['yaw_deg']:g} degrees of yaw, of expression", f"{leak['goal']:g}", *leaks],
+        ["other neutrals, of expression", "", *(_pair(told["neutrals"]["mean_ratio"]) for told in steady)],
+    ]
+    about = "coefficients in sigma / millimetres that splats are moved; who turned the head stands in brackets."
+    return f"**Robustness**: {about}\n\n{table(['', 'goal at most', *who], rows)}"
+
+
+def _pair(found: Mapping[str, float | None], digits: int = 2) -> str:
+    return f"{_number(found['sigma'], digits)} / {_number(found['mm'], digits)}"
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
