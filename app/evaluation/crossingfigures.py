@@ -64,8 +64,16 @@ def crossing_said(figures: Mapping[str, Any]) -> list[str]:
     lines = []
     for row in figures["rows"]:
         told = ", ".join(f"{name} {value:.2f}" for name, value in row["median"].items() if value is not None)
-        lines.append(f"Driven by strangers, {row['avatar']}, {row['driving']}: {told}")
+        lines.append(f"Driven by strangers, {row['avatar']}, {row['driving']}: {told}; {_steady_said(row)}")
     return [*lines, *figures["notes"]]
+
+
+def _steady_said(row: Mapping[str, Any]) -> str:
+    found = row["robustness"]
+    jitter = [found["jitter"][which]["sigma"] for which in ("raw", "smoothed")]
+    told = [] if None in jitter else [f"jitter {jitter[0]:.3f} sigma, {jitter[1]:.3f} smoothed"]
+    leaks = [f"{leak['yaw_ratio']['sigma']:.2f} ({head})" for head, leak in found["pose_leak"].items()]
+    return ", ".join([*told, f"pose leak {', '.join(leaks)}" if leaks else "pose leak not seen"])
 
 
 def _driver_json(tracked: "Tracked") -> dict[str, Any]:
