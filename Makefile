@@ -3,7 +3,8 @@
 # make avatars  rebuild assets/avatars from their ingredients
 # make lint     the quick half of make test
 # make lock     the versions and hashes that CI installs, anew (asks the package index)
-# make nightly  100,000 mutated files of each format, and half an hour of the live loop in foul weather (hours)
+# make nightly  100,000 mutated files of each format, more bred for coverage, half an hour of the live loop in foul
+#               weather (hours)
 # make licences the licences of all that is installed, and build/sbom.json, its bill of materials
 
 PYTHON ?= python3
@@ -24,6 +25,7 @@ test: lint build/window.stamp
 
 nightly: $(VENV)/dev.stamp
 	$(BIN)/python tests/bench/fuzz.py --inputs 100000
+	if $(BIN)/pip install -q atheris; then $(BIN)/python tests/bench/coverage_fuzz.py all --seconds 300; fi
 	$(BIN)/python tests/bench/soak.py --minutes 30
 
 lint: $(VENV)/dev.stamp
