@@ -5,11 +5,13 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
+import numba
 import numpy as np
 import psutil
 import pytest
 
-pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
+torch = pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
 
 from gemheads.models.captures.baremesh import capture_source
 from gemheads.models.captures.layout import CaptureError, Shot
@@ -17,6 +19,7 @@ from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.importers.adopt import adopt
+from gemheads.models.metrics.pixels import BEST_DB
 from gemheads.models.train.contestants import Act, Floats, GemContestant
 from gemheads.models.train.crew import Crew, WorkerLost
 from gemheads.models.train.evaluate import Alone, Moment, fill
@@ -140,3 +143,34 @@ def test_nothing_starts_where_nothing_is_left_to_judge(
     with Crew(2, footage, without_lpips) as crew:
         again = fill(crew.judging("a", Opens(avatar)), shots, ledger, keys)
     assert first == again
+
+
+class Counting:
+    """Notes how many threads compute while it acts."""
+
+    driven_by = "nothing"
+
+    def __init__(self) -> None:
+        self.threads: list[tuple[int, int, int]] = []
+
+    def act(self, shot: Shot, split: str) -> Act:
+        self.threads.append((torch.get_num_threads(), numba.get_num_threads(), cv2.getNumThreads()))
+        return Act(None, None, None, (), 0.0)
+
+    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
+        return stage.truth(shot)
+
+
+def test_one_thread_computes_however_many_there_are(footage: Capture) -> None:
+    """Else sums come in another order on another machine, and fits elsewhere."""
+    before = torch.get_num_threads(), numba.get_num_threads(), cv2.getNumThreads()
+    torch.set_num_threads(2)
+    try:
+        counting = Counting()
+        ((_, record),) = Alone(counting, footage, Judge(None)).records(moments(footage)[:1])
+        assert counting.threads == [(1, 1, 1)]
+        assert record.values["PSNR"] == BEST_DB
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before[0])
+    assert (torch.get_num_threads(), numba.get_num_threads(), cv2.getNumThreads()) == before
