@@ -11,8 +11,9 @@ import numpy as np
 import psutil
 import pytest
 
-torch = pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
+pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
 
+import torch
 from gemheads.models.captures.baremesh import capture_source
 from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture, open_capture
