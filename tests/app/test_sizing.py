@@ -23,7 +23,7 @@ from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.metrics.pixels import psnr
 from gemheads.models.metrics.tables import METRICS, SIZES
 from gemheads.models.train.contestants import Act, GemContestant
-from gemheads.models.train.crew import Crew
+from gemheads.models.train.crew import Crew, WorkerLost
 from gemheads.models.train.evaluate import Alone
 from gemheads.models.train.ledger import Record
 
@@ -91,6 +91,21 @@ def test_so_many_processes_judge_as_were_asked_for(
     assert asked == []
     assert evaluate(*words, 3) == ExitCode.OK
     assert asked == [3]
+
+
+def test_a_process_that_died_is_one_line(
+    toy_capture: Path,
+    avatar: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def gone(*_: object) -> None:
+        raise WorkerLost("a process that judged pictures is gone")
+
+    monkeypatch.setattr(Crew, "records", gone)
+    assert evaluate(avatar, toy_capture, "-o", tmp_path / "r", "--shots", 1, "--jobs", 2) == ExitCode.INPUT
+    assert capsys.readouterr().err == "error: a process that judged pictures is gone\n"
 
 
 def test_as_many_processes_as_are_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
