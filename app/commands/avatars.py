@@ -166,8 +166,8 @@ def train_regressor(
     *sources: Path,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
-    pictures: int = 6000,
-    steps: int = 8000,
+    pictures: int = 2500,
+    steps: int = 6000,
     seed: int = 0,
     labels: Path | None = None,
     report: Path | None = None,
@@ -181,7 +181,7 @@ def train_regressor(
             videos whose motion the training also learns from, without labels.
         out: Where the avatar with its regressor goes. Default: the same file.
         companions: Other avatars, which play strangers. Default: the other shipped ones.
-        pictures: How many pictures of the avatar are drawn and read; 0 with a capture learns from its frames alone.
+        pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps.
         seed: The same seed, avatar and sources give the same regressor.
         labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the

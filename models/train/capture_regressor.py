@@ -21,10 +21,10 @@ from .expressions import random_coefficients, random_weights
 from .fit import Start
 from .network import RegressorNetwork
 from .ownframes import Labelled, Pictured
-from .response import ResponseModel, Responses, measure_responses
+from .response import Responses, measure_responses
 from .sightings import Neutral, Sightings, frontal_cameras, neutral_of, see
-from .strangers import Crowd, crowd
-from .train_regressor import Progress, feature_pca, response_of
+from .strangers import Crowd, Person, crowd
+from .train_regressor import Progress, feature_pca, person_of
 
 Floats = NDArray[np.float32]
 LABELS = 30.0
@@ -108,7 +108,7 @@ def capture_regressor(
         spread = np.concatenate([spread, own.features, others.people.features[:8000]])
     torch.manual_seed(effort.seed)
     network = RegressorNetwork(feature_pca(spread), controls)
-    loop = None if others is None else ClosedLoop(network, others.response, others.own, others.people)
+    loop = None if others is None else ClosedLoop(network, others.avatar, others.people)
     before = None if loop is None or others is None else loop.mismatch(others.judges)
 
     def loss(step: int) -> torch.Tensor:
@@ -130,8 +130,7 @@ def capture_regressor(
 class _Others:
     """Everybody whom the avatar shall follow, and how it answers."""
 
-    own: Responses
-    response: ResponseModel
+    avatar: Person
     r2: float
     people: Crowd
     judges: Crowd
@@ -147,11 +146,12 @@ class _Others:
         rng: np.random.Generator,
     ) -> "_Others":
         """The person's own frames count among the unlabelled ones."""
-        response, r2 = response_of(own, effort.steps, effort.seed)
+        avatar, r2 = person_of(own, effort.steps, effort.seed)
+        others = [person_of(seen, effort.steps // 2, effort.seed)[0] for seen in companions]
         real = np.concatenate([sightings.features, sightings.rotations], 1)
         seen = real if footage is None else np.concatenate([real, footage])
-        people, judges = (crowd([own, *companions], seen, count, rng) for count in (PEOPLE, PEOPLE // 20))
-        return cls(own, response, r2, people, judges)
+        people, judges = (crowd([avatar, *others], seen, count, rng) for count in (PEOPLE, PEOPLE // 20))
+        return cls(avatar, r2, people, judges)
 
 
 def invented(gem: Gem, controls: Controls, known: Floats, count: int, rng: np.random.Generator) -> Floats:

@@ -21,7 +21,7 @@ CLOSE = {
     "jawOpen": 0.015,
     **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),
     "mouthFunnel": 0.025,
-    **dict.fromkeys(("eyeLookOutLeft", "eyeLookInLeft", "eyeLookOutRight", "eyeLookInRight"), 0.03),
+    **dict.fromkeys((f"eyeLook{way}{side}" for way in ("Out", "In", "Up", "Down") for side in ("Left", "Right")), 0.03),
 }
 """The same for what people look at first when they judge whether an avatar follows: brows and pucker move little on any
 face, and all of these would lose against the many landmarks that contradict them a little."""

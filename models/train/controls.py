@@ -12,8 +12,14 @@ from ..gem import CLAMP_SIGMAS, Gem
 
 ARKIT_REACH = 0.7
 """How far training may move an ARKit weight from the tracker's own reading of it."""
-GAZE_REACH = 0.0
-"""The same for gaze, which goes round the network: on strangers, training only blurred what the tracker reads."""
+UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.0
+"""The same for gaze: looking aside goes round the network, as on strangers training only blurred what is read; looking
+up and down moves the lids, which the scores do not tell from the eyes."""
+_TOGETHER = tuple(
+    tuple(NAMES.index(f"eyeLook{name}") for name in pair)
+    for pair in (("OutLeft", "InRight"), ("InLeft", "OutRight"), ("UpLeft", "UpRight"), ("DownLeft", "DownRight"))
+)
+"""Both eyes look at one thing: each starts from the mean of what is read on the two, with less of the noise."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +54,10 @@ def controls_of(gem: Gem) -> Controls:
     for column, name in enumerate(NAMES):
         if name in SCORE_NAMES:
             start[SCORE_NAMES.index(name), column] = GAIN
+    for pair in _TOGETHER:
+        start[:, pair] = start[:, pair].mean(1, keepdims=True)
     ones = np.ones(len(NAMES), np.float32)
-    reach = np.array([GAZE_REACH if name.startswith("eyeLook") else ARKIT_REACH for name in NAMES], np.float32)
+    reach = np.array([_reach(name) for name in NAMES], np.float32)
     return Controls(
         0 * ones,
         ones,
@@ -59,6 +67,12 @@ def controls_of(gem: Gem) -> Controls:
         gem.rest_coefficients,
         CLAMP_SIGMAS * gem.sigma,
     )
+
+
+def _reach(name: str) -> float:
+    if name.startswith(("eyeLookUp", "eyeLookDown")):
+        return UP_DOWN_REACH
+    return SIDEWAYS_REACH if name.startswith("eyeLook") else ARKIT_REACH
 
 
 def free_controls(gem: Gem) -> Controls:

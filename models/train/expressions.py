@@ -8,6 +8,8 @@ from .controls import Controls
 
 SYMMETRIC_SHARE = 0.75
 """How often the right side of a face repeats its left."""
+SMALL_SHARE = 0.5
+"""How often a whole face is done less strongly: people do most things by half."""
 PARTNERS = tuple(
     (NAMES.index(name), NAMES.index(name.replace("Left", "Right")))
     for name in NAMES
@@ -44,6 +46,8 @@ def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
             for left, right in PARTNERS:
                 if left not in GAZE:
                     face[right] = face[left]
+        if rng.random() < SMALL_SHARE:
+            face *= rng.uniform(0.1, 1)
         if rng.random() < 0.7:
             _look(face, rng)
     return np.clip(faces, 0, 1).astype(np.float32)

@@ -1,6 +1,6 @@
 """How an avatar answers: control weights and head rotation in, what the face tracker reads off its picture out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,9 +20,12 @@ from .controls import Controls
 
 PICTURE_SIZE = 320
 FOV_DEG = 20.0
+_LOOKS, _LOOKS_STILL = 2, 4
+"""A driver's face is cut out around its landmarks of the frame before; the detector's first guess reads brows half a
+standard deviation off, and everything with half as much noise again."""
 HEAD_SHARE = 0.62
 """How much of the picture's height the head fills."""
-POSE_SPREAD = np.radians([8.0, 12.0, 6.0])
+POSE_SPREAD = np.radians([9.0, 13.0, 6.0])
 """Standard deviations of pitch, yaw and roll of the training pictures, radians."""
 
 
@@ -45,15 +48,25 @@ class Responses:
         return len(self.weights)
 
 
+def joined(parts: Sequence[Responses]) -> Responses:
+    """Pictures of one avatar from several series."""
+    return Responses(
+        np.concatenate([part.weights for part in parts]),
+        np.concatenate([part.rotations for part in parts]),
+        np.concatenate([part.features for part in parts]),
+    )
+
+
 def measure_responses(
     gem: Gem,
     controls: Controls,
     weights: NDArray[np.float32],
     rng: np.random.Generator,
     progress: Callable[[int, int], None] = lambda done, total: None,
+    rotations: NDArray[np.float32] | None = None,
 ) -> Responses:
-    """Draws the avatar at each row of ``weights`` [S, E] under a random head pose, framing and light, and reads it with
-    the face tracker; pictures without a face are left out.
+    """Draws the avatar at each row of ``weights`` [S, E] under a random head pose (or ``rotations`` [S, 3]), framing
+    and light, and reads it with the face tracker; pictures without a face are left out.
 
     Raises AvatarNotSeen when the neutral picture has no face.
     """
@@ -61,8 +74,9 @@ def measure_responses(
     neutral = studio.read(gem.rest_coefficients, np.zeros(3), rng, still=True)
     if neutral is None:
         raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{gem.name}'")
-    rotations = (rng.normal(size=(len(weights), 3)) * POSE_SPREAD).astype(np.float32)
-    rotations[: len(weights) // 5] = 0
+    if rotations is None:
+        rotations = (rng.normal(size=(len(weights), 3)) * POSE_SPREAD).astype(np.float32)
+        rotations[: len(weights) // 5] = 0
     kept: list[int] = []
     features: list[NDArray[np.float32]] = []
     for index in range(len(weights)):
@@ -100,6 +114,8 @@ class _Studio:
             picture = _photographed(picture, rng)
         self._tracker.reset()
         observation = self._tracker.track(picture)
+        for _ in range((_LOOKS_STILL if still else _LOOKS) - 1):
+            observation = None if observation is None else self._tracker.track(picture)
         return None if observation is None else feature_vector(observation)
 
     def _camera(self, rng: np.random.Generator, still: bool) -> Camera:

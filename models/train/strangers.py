@@ -1,13 +1,21 @@
-"""Relative features as other people would give them: other avatars, other gains, other leaks of head pose, noise."""
+"""Relative features as other people would give them: other avatars, other gains, other leaks of head pose, noise.
 
+With each goes what the same face would read from the front: an avatar that repeats *that* does not pull a face where
+the driver only turns his head.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from ..driver.features import BLOCKS, DIMENSION
-from .response import Responses
+from .channels import channel_indices, channel_tolerances
+from .response import ResponseModel, Responses
 
+Floats = NDArray[np.float32]
 GAIN_SPREAD = 0.35
 """Standard deviation of the logarithm of how strongly a person moves a channel, against the avatars."""
 NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
@@ -15,45 +23,83 @@ NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 
 
 
 @dataclass(frozen=True)
+class Person:
+    """Somebody whose pictures are known."""
+
+    seen: Responses
+    response: ResponseModel
+    """Learned from them."""
+
+
+@dataclass(frozen=True)
 class Crowd:
     """S moments of people who are not the avatar."""
 
-    features: NDArray[np.float32]
+    features: Floats
     """[S, D] relative features."""
-    rotations: NDArray[np.float32]
+    rotations: Floats
     """[S, 3] relative head rotation, radians."""
+    wanted: Floats
+    """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
+
+    def __len__(self) -> int:
+        return len(self.features)
 
 
-def pose_leak(responses: Responses) -> NDArray[np.float32]:
+def pose_leak(responses: Responses) -> Floats:
     """[3, D] what head rotation alone adds to an avatar's features, per radian (least squares beside the weights)."""
     inputs = np.concatenate([responses.rotations, responses.weights, np.ones((len(responses), 1), np.float32)], 1)
     penalty = 1e-2 * len(responses) / 100 * np.eye(inputs.shape[1], dtype=np.float32)
     return np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ responses.features)[:3].astype(np.float32)
 
 
-def crowd(sources: list[Responses], footage: NDArray[np.float32], count: int, rng: np.random.Generator) -> Crowd:
+def from_the_front(person: Person) -> Floats:
+    """[S, T] the channels of a person's pictures, in tolerances, relative to the neutral, had the head not turned.
+
+    What the response says of the turn is taken off; what else is read, noise and all that the response does not know,
+    stays: on people, too, it is what is read that shall be followed.
+    """
+    weights, rotations = torch.from_numpy(person.seen.weights), torch.from_numpy(person.seen.rotations)
+    still, front = torch.zeros(1, 3), torch.zeros(len(weights), 3)
+    with torch.no_grad():
+        rest = person.response(torch.zeros(1, weights.shape[1]), still)
+        turned = (person.response(weights, rotations) - person.response(weights, front) + rest).numpy()
+    return (in_tolerances(person.seen.features) - turned).astype(np.float32)
+
+
+def in_tolerances(features: Floats) -> Floats:
+    """[S, T] the compared channels of relative features [S, D]."""
+    return (features[:, channel_indices()] / channel_tolerances()).astype(np.float32)
+
+
+def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.Generator) -> Crowd:
     """``count`` moments of invented people.
 
-    Each is a picture of one of ``sources``, its channels multiplied by gains of their own, its pose leak exchanged for
+    Each is a picture of one of ``people``, its channels multiplied by gains of their own, its pose leak exchanged for
     a mixture of all leaks, with noise; a third of them are taken from ``footage`` [S, D + 3] (features and rotations
-    of unlabelled real faces) where there is any.
+    of unlabelled real faces) where there is any, whose leak is taken to be the mean one.
     """
-    leaks = np.stack([pose_leak(source) for source in sources])
-    which = rng.integers(len(sources), size=count)
+    leaks = np.stack([pose_leak(person.seen) for person in people])
+    which = rng.integers(len(people), size=count)
     features = np.empty((count, DIMENSION), np.float32)
     rotations = np.empty((count, 3), np.float32)
-    for index, source in enumerate(sources):
+    wanted = np.empty((count, len(channel_indices())), np.float32)
+    for index, person in enumerate(people):
         rows = np.flatnonzero(which == index)
-        picked = rng.integers(len(source), size=len(rows))
-        features[rows], rotations[rows] = source.features[picked], source.rotations[picked]
-    mixture = rng.dirichlet(np.ones(len(sources)), count) * rng.normal(1, 0.4, (count, 1))
+        picked = rng.integers(len(person.seen), size=len(rows))
+        features[rows], rotations[rows] = person.seen.features[picked], person.seen.rotations[picked]
+        wanted[rows] = from_the_front(person)[picked]
+    mixture = rng.dirichlet(np.ones(len(people)), count) * rng.normal(1, 0.4, (count, 1))
     mixture[np.arange(count), which] -= 1
     features += np.einsum("sa,aid,si->sd", mixture, leaks, rotations, optimize=True)
     if len(footage):
         rows = rng.random(count) < 1 / 3
         picked = rng.integers(len(footage), size=int(rows.sum()))
         features[rows], rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
-    features *= np.exp(rng.normal(0, GAIN_SPREAD / 2, (count, 1)) + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
+        wanted[rows] = in_tolerances(features[rows] - rotations[rows] @ leaks.mean(0))
+    gains = np.exp(rng.normal(0, GAIN_SPREAD / 2, (count, 1)) + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
+    features *= gains
+    wanted *= gains[:, channel_indices()]
     for name, spread in NOISE.items():
         features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
-    return Crowd(features.astype(np.float32), rotations)
+    return Crowd(features.astype(np.float32), rotations, wanted.astype(np.float32))

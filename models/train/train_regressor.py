@@ -1,11 +1,13 @@
 """Trains the regressor of one avatar by closing the loop: what is read on a person shall be read on the avatar.
 
-F, the avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
+F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
+In between it acts before the tracker: F is learned again with these pictures, too, and g goes on.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,21 +17,37 @@ from numpy.typing import NDArray
 from ..driver.features import BLOCKS
 from ..gem import Gem
 from ..gemfile import load_gem, read_info, save_gem
-from .channels import channel_indices, channel_tolerances
 from .closing import ClosedLoop, descend
-from .controls import Controls, controls_of
+from .controls import controls_of
 from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .network import FeaturePca, RegressorNetwork
-from .response import ResponseModel, Responses, fit_response, measure_responses
-from .strangers import crowd
+from .rehearsal import rehearse
+from .response import Responses, fit_response, joined, measure_responses
+from .strangers import Person, crowd, in_tolerances
 
 COMPONENTS = 50
 """Equation 3: the features are reduced to so many numbers."""
 SIGMA_FLOOR = 1e-3
 """Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
+CROWD = 40_000
+"""Moments of invented people to follow."""
+FIRST_ACT = 0.35
+"""After this share of the steps the avatar acts what it has learned ..."""
+REHEARSED = 0.4
+"""... in so many pictures, against the random ones."""
+STRANGERS = 0.6
+"""Pictures of each companion, against the random ones of the avatar."""
+RESPONSE_SHARE = 0.35
+"""Steps of each response, against those of the regressor."""
+SERIES = 500
+"""Pictures are drawn in series of so many, each with random numbers of its own."""
 Progress = Callable[[str, int, int], None]
+
+
+def _silent(done: int, total: int) -> None:
+    """Tells nobody."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +70,8 @@ def train_regressor(
     *,
     companions: Sequence[Path] = (),
     videos: Sequence[Path] = (),
-    pictures: int = 6000,
-    steps: int = 8000,
+    pictures: int = 2500,
+    steps: int = 6000,
     seed: int = 0,
     progress: Progress = lambda stage, done, total: None,
 ) -> TrainingReport:
@@ -64,8 +82,9 @@ def train_regressor(
         out: where the result goes; None replaces ``avatar``.
         companions: other avatars, which play strangers.
         videos: any videos of faces, unlabelled; they need not be of one person.
-        pictures: how many pictures of the avatar are drawn and read.
-        steps: training steps of the response model and of the regressor each.
+        pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
+            learned; of companions fewer.
+        steps: training steps of the regressor.
         seed: makes the run repeatable.
         progress: called with the stage's name, steps done and steps in all.
 
@@ -99,28 +118,30 @@ def regressor_for(
 ) -> tuple[bytes, TrainingReport]:
     """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it."""
     rng = np.random.default_rng(seed)
-    controls = controls_of(gem)
-    own = _pictured(gem, controls, pictures, rng, lambda done, total: progress("pictures", done, total))
-    others = [
-        _pictured(
-            other,
-            controls_of(other),
-            max(200, pictures // 4),
-            rng,
-            lambda done, total: progress("strangers", done, total),
+    controls, fit_steps = controls_of(gem), max(1, int(steps * RESPONSE_SHARE))
+    own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total))
+    avatar, r2 = person_of(own, fit_steps, seed)
+    others = []
+    for other in companions:
+        seen = pictures_of(
+            other, max(200, int(pictures * STRANGERS)), seed, lambda done, total: progress("strangers", done, total)
         )
-        for other in companions
-    ]
-    response, r2 = response_of(own, steps, seed)
-    people = crowd([own, *others], footage, 40_000, rng)
-    judges = crowd([own, *others], footage, 2_000, rng)
-    pca = feature_pca(np.concatenate([own.features, people.features[:8000]]))
+        others.append(person_of(seen, fit_steps, seed)[0])
+    people = crowd([avatar, *others], footage, CROWD, rng)
     torch.manual_seed(seed)
-    network = RegressorNetwork(pca, controls)
-    loop = ClosedLoop(network, response, own, people)
-    before = loop.mismatch(judges)
-    descend(network, lambda _: loop.loss(), steps, progress)
-    return export_onnx(network), TrainingReport(len(own), r2, before, loop.mismatch(judges))
+    network = RegressorNetwork(feature_pca(np.concatenate([own.features, people.features[:8000]])), controls)
+    loop = ClosedLoop(network, avatar, people)
+    before = loop.mismatch(crowd([avatar, *others], footage, CROWD // 20, rng))
+    first = max(1, int(steps * FIRST_ACT))
+    descend(network, loop.loss, first, progress)
+    audience = crowd([avatar, *others], footage, max(1, int(pictures * REHEARSED)), rng)
+    acted = rehearse(gem, controls, network, audience, rng, lambda done, total: progress("rehearsal", done, total))
+    own = joined([own, acted])
+    avatar, r2 = person_of(own, fit_steps, seed)
+    loop = ClosedLoop(network, avatar, crowd([avatar, *others], footage, CROWD, rng))
+    descend(network, loop.loss, max(1, steps - first), progress)
+    after = loop.mismatch(crowd([avatar, *others], footage, CROWD // 20, rng))
+    return export_onnx(network), TrainingReport(len(own), r2, before, after)
 
 
 def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
@@ -135,21 +156,29 @@ def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
     return FeaturePca(mean.astype(np.float32), (directions[:kept] / scale / sigma[:, None]).T.astype(np.float32))
 
 
-def _pictured(
-    gem: Gem, controls: Controls, count: int, rng: np.random.Generator, progress: Callable[[int, int], None]
-) -> Responses:
-    weights = random_coefficients(controls, count, rng) if gem.arkit_weights is None else random_weights(count, rng)
-    return measure_responses(gem, controls, weights, rng, progress)
+def pictures_of(gem: Gem, count: int, seed: int, progress: Callable[[int, int], None] = _silent) -> Responses:
+    """``count`` pictures of an avatar with random faces, as the tracker reads them; fewer where no face is seen.
+
+    Whole series are the same in however many pictures. Raises AvatarNotSeen.
+    """
+
+    def advance(first: int, done: int, _: int) -> None:
+        progress(first + done, count)
+
+    controls = controls_of(gem)
+    parts: list[Responses] = []
+    for first in range(0, count, SERIES):
+        rng = np.random.default_rng([seed, first])
+        weights = (
+            random_coefficients(controls, SERIES, rng) if gem.arkit_weights is None else random_weights(SERIES, rng)
+        )
+        weights = weights[: count - first]
+        parts.append(measure_responses(gem, controls, weights, rng, partial(advance, first)))
+    return joined(parts)
 
 
-def pictures_of(gem: Gem, count: int, seed: int, progress: Progress = lambda stage, done, total: None) -> Responses:
-    """So many pictures of an avatar that plays a stranger, as the tracker reads them. Raises AvatarNotSeen."""
-    rng = np.random.default_rng(seed)
-    return _pictured(gem, controls_of(gem), count, rng, lambda done, total: progress("strangers", done, total))
-
-
-def response_of(own: Responses, steps: int, seed: int) -> tuple[ResponseModel, float]:
-    """F of an avatar from its pictures, and the share of variance that it explains."""
-    channels = own.features[:, channel_indices()] / channel_tolerances()
-    inputs = (torch.from_numpy(own.weights), torch.from_numpy(own.rotations))
-    return fit_response(inputs, torch.from_numpy(channels), steps, seed)
+def person_of(seen: Responses, steps: int, seed: int) -> tuple[Person, float]:
+    """An avatar with its response F, learned from its pictures, and the share of variance that F explains."""
+    inputs = (torch.from_numpy(seen.weights), torch.from_numpy(seen.rotations))
+    response, r2 = fit_response(inputs, torch.from_numpy(in_tolerances(seen.features)), steps, seed)
+    return Person(seen, response), r2

@@ -1,23 +1,33 @@
 """The regressor's training, in parts and on a small scale; the real thing is measured by tests/bench/closed_loop.py."""
 
+from dataclasses import replace
+
 import numpy as np
 import onnxruntime
 import pytest
 from gemheads.models.arkit import NAMES
-from gemheads.models.driver.baseline import baseline_weights
+from gemheads.models.driver.baseline import GAIN, baseline_weights
 from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
+from gemheads.models.train import rehearsal, train_regressor  # noqa: E402
 from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
 from gemheads.models.train.controls import Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.expressions import random_coefficients, random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
-from gemheads.models.train.response import Responses  # noqa: E402
-from gemheads.models.train.strangers import crowd, pose_leak  # noqa: E402
+from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
+from gemheads.models.train.strangers import (  # noqa: E402
+    Crowd,
+    Person,
+    crowd,
+    from_the_front,
+    in_tolerances,
+    pose_leak,
+)
 from gemheads.models.train.train_regressor import feature_pca  # noqa: E402
 
 
@@ -82,12 +92,23 @@ def test_coefficients_stay_within_three_sigma_whatever_comes_in() -> None:
     assert (np.abs(answer) <= 3 * gem.sigma * (1 + 1e-5)).all()
 
 
-def test_an_untrained_network_drives_like_the_baseline() -> None:
+def test_an_untrained_network_drives_like_the_baseline_with_both_eyes_together() -> None:
     controls = controls_of(toy_gem())
     features = relative_features(10, 2)
     with torch.no_grad():
         weights = network_of(controls, trained=False).weights(torch.from_numpy(features), torch.zeros(10, 3)).numpy()
-    np.testing.assert_allclose(weights, baseline_weights(features), atol=1e-6)
+    eyes = np.array([name.startswith("eyeLook") for name in NAMES])
+    np.testing.assert_allclose(weights[:, ~eyes], baseline_weights(features)[:, ~eyes], atol=1e-6)
+    for one, other in (
+        ("OutLeft", "InRight"),
+        ("InLeft", "OutRight"),
+        ("UpLeft", "UpRight"),
+        ("DownLeft", "DownRight"),
+    ):
+        pair = [NAMES.index(f"eyeLook{name}") for name in (one, other)]
+        scores = [SCORES.start + SCORE_NAMES.index(f"eyeLook{name}") for name in (one, other)]
+        wanted = np.clip(GAIN * features[:, scores].mean(1), 0, 1)
+        np.testing.assert_allclose(weights[:, pair], np.stack([wanted, wanted], 1), atol=1e-6)
 
 
 def test_a_graph_holds_only_operators_that_a_runtime_of_any_age_has() -> None:
@@ -130,13 +151,82 @@ def test_pose_leak_is_found_beside_expressions() -> None:
     assert np.corrcoef(found.ravel(), leak.ravel())[0, 1] > 0.95
 
 
+def linear_person(shapes: np.ndarray, leak: np.ndarray, count: int = 1500, seed: int = 0) -> Person:
+    """Somebody whose features follow weights and head rotation linearly, with a response that knows it."""
+    rng = np.random.default_rng(seed)
+    weights, rotations = random_weights(count, rng), rng.normal(0, 0.2, (count, 3)).astype("f4")
+    response = ResponseModel(len(NAMES), len(channel_indices()))
+    last = response.bend[-1]
+    assert isinstance(last, torch.nn.Linear)
+    with torch.no_grad():
+        last.weight.zero_()
+        last.bias.zero_()
+        response.linear.weight.copy_(torch.from_numpy(in_tolerances(np.concatenate([shapes, leak])).T))
+        response.linear.bias.zero_()
+    response.requires_grad_(False)
+    return Person(Responses(weights, rotations, (weights @ shapes + rotations @ leak).astype("f4")), response)
+
+
 def test_invented_people_move_their_scores_otherwise_than_the_avatar() -> None:
     rng = np.random.default_rng(0)
-    source = Responses(random_weights(300, rng), np.zeros((300, 3), "f4"), relative_features(300))
-    people = crowd([source, source], np.empty((0, DIMENSION + 3), "f4"), 500, rng)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    person = linear_person(shapes, leak)
+    people = crowd([person, person], np.empty((0, DIMENSION + 3), "f4"), 500, rng)
     assert people.features.shape == (500, DIMENSION)
+    assert people.wanted.shape == (500, len(channel_indices()))
     assert np.isfinite(people.features).all()
-    assert 0.5 < people.features.std() / source.features.std() < 2
+    assert 0.5 < people.features.std() / person.seen.features.std() < 2
+
+
+def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    person = linear_person(shapes, leak)
+    wanted = from_the_front(person)
+    np.testing.assert_allclose(wanted, in_tolerances(person.seen.weights @ shapes), atol=2e-2)
+    assert np.abs(in_tolerances(person.seen.features) - wanted).max() > 10
+    seen = person.seen
+    turning = replace(seen, weights=0 * seen.weights, features=seen.rotations @ leak)
+    np.testing.assert_allclose(from_the_front(Person(turning, person.response)), 0, atol=2e-2)
+    footage = np.concatenate([turning.features, turning.rotations], 1)
+    people = crowd([Person(turning, person.response)], footage, 500, rng)
+    assert np.abs(people.wanted).max() < 0.1 * np.abs(in_tolerances(people.features)).max()
+
+
+def test_a_rehearsal_draws_what_the_network_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    controls, rng = controls_of(toy_gem()), np.random.default_rng(0)
+    network = network_of(controls)
+    features, rotations = relative_features(400, 3), rng.normal(0, 0.2, (400, 3)).astype("f4")
+    audience = Crowd(features, rotations, np.zeros((400, 1), "f4"))
+    drawn: list[Responses] = []
+
+    def drawing(gem, controls, weights, rng, progress, rotations):
+        drawn.append(Responses(weights, rotations, features))
+        return drawn[-1]
+
+    monkeypatch.setattr(rehearsal, "measure_responses", drawing)
+    acted = rehearsal.rehearse(toy_gem(), controls, network, audience, rng)
+    with torch.no_grad():
+        answers = network.weights(torch.from_numpy(features), torch.from_numpy(rotations)).numpy()
+    assert (acted.weights >= 0).all()
+    assert (acted.weights <= 1).all()
+    assert 0.1 < (np.abs(acted.weights - answers).max(1) < 1e-6).mean() < 0.5
+    assert np.abs(acted.weights - answers).max() < 0.4
+    frontal = (acted.rotations == 0).all(1)
+    assert 0.3 < frontal.mean() < 0.5
+    np.testing.assert_array_equal(acted.rotations[~frontal], rotations[~frontal])
+
+
+def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    def drawing(gem, controls, weights, rng, progress):
+        return Responses(weights, rng.normal(size=(len(weights), 3)), relative_features(len(weights)))
+
+    monkeypatch.setattr(train_regressor, "measure_responses", drawing)
+    few, more = (train_regressor.pictures_of(toy_gem(), count, 3) for count in (train_regressor.SERIES, 1300))
+    assert len(more) == 1300
+    np.testing.assert_array_equal(few.weights, more.weights[: len(few)])
+    np.testing.assert_array_equal(few.rotations, more.rotations[: len(few)])
+    assert np.abs(more.weights[train_regressor.SERIES] - more.weights[1]).max() > 0
 
 
 def test_channels_and_tolerances_go_together() -> None:
