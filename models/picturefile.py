@@ -31,8 +31,10 @@ def _is_sound_png(data: bytes) -> bool:
         if length > len(data) - at - 12:
             return False
         if kind == b"IHDR":
+            if length != 13:
+                return False
             width, height = struct.unpack_from(">II", data, at + 8)
-            if length != 13 or width * height > MAX_PIXELS:
+            if width * height > MAX_PIXELS:
                 return False
         if kind == b"IEND":
             return True

@@ -75,6 +75,11 @@ def test_a_chunk_of_four_gigabytes(tmp_path: Path) -> None:
     refused(tmp_path, png(head(4, 4), (b"IDAT", zlib.compress(bytes(52))), lie=2**32 - 1))
 
 
+def test_a_second_header_of_two_bytes_at_the_very_end(tmp_path: Path) -> None:
+    """What it should say of width and height lies beyond the file."""
+    refused(tmp_path, png(head(4, 4), (b"IDAT", zlib.compress(bytes(52))), (b"IHDR", b"\0\0")))
+
+
 def test_a_picture_of_a_billion_pixels(tmp_path: Path) -> None:
     """A megabyte of zeros, well packed, is three gigabytes of black."""
     rows = zlib.compress(bytes(2**20))
