@@ -17,7 +17,7 @@ from random import Random
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-STALLED = 10
+STALLED = 30
 """Seconds of the wall clock for one input."""
 MEMORY = 4096
 """MiB in all."""
