@@ -34,7 +34,7 @@ Shots = Mapping[str, Sequence[Shot]]
 Records = dict[str, dict[str, list["Record"]]]
 """Split -> avatar -> a record for each picture."""
 Lpips = Literal["vgg", "alex", "none"]
-FEW = 16
+FEW = 32
 """Pictures that one process has judged before others have started."""
 MEMORY = 2_000_000_000
 """Bytes that must be free for each process: VGG looks at 802x550 pixels with half of it."""

@@ -87,15 +87,17 @@ def results(reports: list[Path], docs: Path = PAGE.parent) -> str:
 
 
 def tables_of(page: Path) -> str:
-    """The tables of a page and the lists before them, as they are there; empty where there is none."""
+    """The tables of a page, each with the paragraph or list right before it; empty where there is none."""
     if not page.is_file():
         return ""
-    lines = page.read_text("utf-8").splitlines()
-    if not any(line.startswith("|") for line in lines):
-        return ""
-    kept = [line for line in lines if line.startswith(("|", "- ")) or not line.strip()]
-    blocks = [block for block in "\n".join(kept).split("\n\n") if block.strip()]
-    return "\n\n".join(block.strip("\n") for block in blocks)
+    lines = [line for line in page.read_text("utf-8").splitlines() if not line.startswith(("#", "<!--"))]
+    blocks = [block for block in map(str.strip, "\n".join(lines).split("\n\n")) if block]
+    kept = [
+        block
+        for block, after in zip(blocks, [*blocks[1:], ""], strict=True)
+        if block.startswith("|") or (after.startswith("|"))
+    ]
+    return "\n\n".join(kept)
 
 
 if __name__ == "__main__":
