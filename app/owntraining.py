@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -61,7 +62,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
             moments = training_moments(cast, footage, wish.labels, bar)
             videos = read_footage(wish.videos, lambda done, total: bar.reach("videos", done, total))
             others = [
-                pictures_of(load_gem(path), max(200, wish.pictures // 4), wish.seed, bar.reach)
+                pictures_of(load_gem(path), max(200, wish.pictures // 4), wish.seed, partial(bar.reach, "companions"))
                 for path in (wish.companions if wish.pictures else ())
             ]
             learned = capture_regressor(cast.gem, footage, moments, effort, others, videos, bar.reach)
