@@ -1,8 +1,6 @@
 """Several processes that judge: the same figures as one alone, and nothing of them is left when they are done."""
 
-import os
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -18,49 +16,15 @@ from gemheads.models.captures.baremesh import capture_source
 from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.staging import Stage
-from gemheads.models.gemfile import load_gem, save_gem
+from gemheads.models.gemfile import save_gem
 from gemheads.models.importers.adopt import adopt
 from gemheads.models.metrics.pixels import BEST_DB
-from gemheads.models.train.contestants import Act, Floats, GemContestant
+from gemheads.models.train.contestants import Act, Floats
 from gemheads.models.train.crew import Crew, WorkerLost
 from gemheads.models.train.evaluate import Alone, Moment, fill
 from gemheads.models.train.judge import Judge
 from gemheads.models.train.ledger import Ledger, Record, ShotKeys
-
-
-@dataclass(frozen=True)
-class Opens:
-    """An avatar's file, opened by whoever judges it."""
-
-    path: Path
-
-    def __call__(self, capture: Capture) -> GemContestant:
-        return GemContestant(load_gem(self.path), capture)
-
-
-@dataclass(frozen=True)
-class Trouble:
-    """Something that goes wrong as soon as it acts."""
-
-    how: str
-    driven_by: str = "nothing"
-
-    def __call__(self, capture: Capture) -> "Trouble":
-        return self
-
-    def act(self, shot: Shot, split: str) -> Act:
-        if self.how == "dies":
-            os._exit(1)
-        if self.how == "is changed":
-            raise CaptureError(shot.picture, "is gone", "copy it there")
-        raise ValueError(f"{split} is more than it can bear")
-
-    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
-        raise NotImplementedError
-
-
-def without_lpips() -> Judge:
-    return Judge(None)
+from judges import Opens, Trouble, without_lpips
 
 
 @pytest.fixture(scope="module")
