@@ -15,7 +15,7 @@ from ..models.crossing.kept import Kept
 from ..models.crossing.loop import Echo, echo
 from ..models.crossing.mirror import UnseenAvatar
 from ..models.crossing.pace import paces
-from ..models.crossing.turning import Turned
+from ..models.crossing.poseleak import Turned
 from .drivers import Driver, Tracked
 from .entrants import Entrant
 from .errors import InputError, UsageError

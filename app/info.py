@@ -38,7 +38,7 @@ def lines(info: GemInfo, gem: Gem, path: Path) -> list[tuple[str, str]]:
         ("File", f"{path}, {info.bytes / 1e6:.2f} MB, basis as {card.basis}"),
         ("Splats", f"{layout.splats}, UV map of {card.uv_size} x {card.uv_size} texels"),
         *((name.capitalize(), _basis(info, name)) for name in MODALITIES),
-        ("In memory", f"{sum(basis.rows.nbytes for basis in gem.bases.values()) / 1e6:.0f} MB"),
+        ("In memory", f"{sum(basis.nbytes for basis in gem.bases.values()) / 1e6:.0f} MB"),
         ("Driven by", _drivers(gem)),
         ("Seen from", f"up to {view.yaw_limit_deg:g} degrees aside, {view.pitch_limit_deg:g} up and down"),
         ("Head", f"{100 * view.head_height:.0f} cm from chin to crown"),

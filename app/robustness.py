@@ -12,8 +12,8 @@ from ..models.crossing.kept import Kept
 from ..models.crossing.loop import answered
 from ..models.crossing.mirror import Mirror, UnseenAvatar
 from ..models.crossing.neutrals import Swayed, spread_of_correlations, spread_of_means, sway
+from ..models.crossing.poseleak import Leak, Turned, leak, turn
 from ..models.crossing.still import Jitter, jitter
-from ..models.crossing.turning import Leak, Turned, leak, turn
 from ..models.wholefile import file_sha256
 from .casting import open_avatar
 from .drivers import Tracked

@@ -75,6 +75,12 @@ class Basis:
         gather(self.components, columns, components)
         return Moving(columns, components)
 
+    @property
+    def nbytes(self) -> int:
+        """Bytes in memory once it has been composed."""
+        moving = self.moving
+        return self.rows.nbytes + (0 if moving is None else moving.columns.nbytes + moving.components.nbytes)
+
     def compose(self, coefficients: NDArray[np.float32], out: NDArray[np.float32]) -> None:
         """mean + coefficients @ components, in place.
 

@@ -12,7 +12,7 @@ from ...models.crossing.compare import Compared
 from ...models.crossing.embedding import Agreement
 from ...models.crossing.extent import Extent
 from ...models.crossing.pace import Pace
-from ...models.crossing.turning import GOAL, PITCH_DEG, YAW_DEG
+from ...models.crossing.poseleak import GOAL, PITCH_DEG, YAW_DEG
 from ...models.metrics.tables import CROSSING, CROSSING_BY
 
 if TYPE_CHECKING:

@@ -150,3 +150,20 @@ def test_rows_that_are_no_matrix_are_refused(rows: np.ndarray) -> None:
 def test_sigmas_that_are_none_are_refused(sigma: list[float]) -> None:
     with pytest.raises(ValueError, match="that many sigmas > 0"):
         Basis(np.zeros((2, 6), np.float32), np.float32(sigma))
+
+
+def test_where_most_stands_still_only_the_rest_is_kept_twice(gem: Gem) -> None:
+    dense = gem.bases["position"]
+    rows = dense.rows.copy()
+    rows[1:, 3:] = 0
+    sparse = Basis(rows, dense.sigma)
+    assert dense.moving is None
+    assert dense.nbytes == dense.rows.nbytes
+    assert sparse.moving is not None
+    np.testing.assert_array_equal(sparse.moving.columns, [0, 1, 2])
+    assert sparse.nbytes == rows.nbytes + 3 * 4 + 3 * len(sparse) * 4
+    coefficients = np.arange(1, len(sparse) + 1, dtype=np.float32)
+    out = np.full(rows.shape[1], np.nan, np.float32)
+    sparse.compose(coefficients, out)
+    np.testing.assert_allclose(out, rows[0] + coefficients @ rows[1:], atol=1e-5)
+    np.testing.assert_allclose(sparse.correlate(out), rows[1:] @ out, atol=1e-5)

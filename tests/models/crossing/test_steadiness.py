@@ -9,8 +9,8 @@ from gemheads.models.crossing.clip import Clip, UnseenDriver
 from gemheads.models.crossing.extent import Extent
 from gemheads.models.crossing.mirror import UnseenAvatar
 from gemheads.models.crossing.neutrals import spread_of_correlations, spread_of_means, sway
+from gemheads.models.crossing.poseleak import PITCH_DEG, YAW_DEG, leak, path, turn
 from gemheads.models.crossing.still import FRAMES, Still, hold_still, jitter
-from gemheads.models.crossing.turning import PITCH_DEG, YAW_DEG, leak, path, turn
 from gemheads.models.crossing.webcam import resensed
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.smoothing import OneEuro
