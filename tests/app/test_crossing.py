@@ -14,7 +14,7 @@ import pytest
 from gemheads.app import library, trials
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
-from gemheads.models.crossing import clip, kept, mirror, neutrals, pace, still, turning
+from gemheads.models.crossing import clip, kept, mirror, neutrals, pace, poseleak, still
 from gemheads.models.crossing.channels import CHANNELS
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT
@@ -46,8 +46,8 @@ def painted_faces(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(neutrals, "FRAMES", 4)
     monkeypatch.setattr(still, "FRAMES", 18)
     monkeypatch.setattr(pace, "STEPS", 3)
-    monkeypatch.setattr(turning, "SIDE_STEPS", 1)
-    monkeypatch.setattr(turning, "ROUND_STEPS", 2)
+    monkeypatch.setattr(poseleak, "SIDE_STEPS", 1)
+    monkeypatch.setattr(poseleak, "ROUND_STEPS", 2)
     monkeypatch.setattr(library, "SHIPPED", Path("nowhere"))
 
 
