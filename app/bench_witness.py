@@ -23,6 +23,8 @@ from .figures import Ring
 from .inputs.source import Opener
 from .shots import Shot
 
+PATIENCE = 20
+"""A measurement in which nothing new was to be seen goes on, for so many times as long as was asked for."""
 SEEN_WITHIN = 20
 """Milliseconds that a picture may take from the swap to the screen."""
 MOST = 100_000
@@ -139,7 +141,7 @@ class Witness:
             self.ended, self.processor = now, time.process_time() - self._processor_before
             if not self.rss or now - self.rss[-1][0] >= 1.0:
                 self.rss.append((now, self._process.memory_info().rss / 1e6))
-            if now - self.began >= self._seconds:
+            if now - self.began >= self._seconds * (1 if self.frames.count else PATIENCE):
                 return [Order("quit")]
         return self._desk.poll(wait)
 
