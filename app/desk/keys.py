@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from .actions import ACTIONS, BY_NAME, Order
 
 MODIFIERS = ("Ctrl", "Shift", "Alt")
-NAMED = frozenset(
-    "Esc Tab Space Enter Backspace Delete Insert Home End PageUp PageDown Left Right Up Down".split()
-    + [f"F{n}" for n in range(1, 25)]
-)
-"""Keys with a name; every other key is called by the one character it types, letters in capitals."""
+_WORDS = "Esc Tab Space Enter Backspace Delete Insert Home End PageUp PageDown Left Right Up Down".split()
+NAMED = {name.lower(): name for name in (*_WORDS, *(f"F{n}" for n in range(1, 25)))}
+"""Keys with a name, by that name in small letters; every other key is called by the character it types, in capitals."""
 RESERVED = {"Esc": "leave", "Ctrl+Q": "quit"}
 """Always there: nobody can lock themselves in."""
 
@@ -45,7 +43,7 @@ def key_name(text: str) -> str | None:
         return None
     *modifiers, key = parts
     held = {modifier.title() for modifier in modifiers}
-    named = {name.lower(): name for name in NAMED}.get(key.lower())
+    named = NAMED.get(key.lower())
     if not held <= set(MODIFIERS) or (named is None and len(key) != 1):
         return None
     return "+".join([*(modifier for modifier in MODIFIERS if modifier in held), named or key.upper()])
@@ -80,7 +78,8 @@ def keymap(changes: Mapping[str, Sequence[str]] | None = None) -> Keymap:
                 orders[key] = Order(action.name, value, action.relative)
     for key, name in RESERVED.items():
         orders.setdefault(key, Order(name))
-    ordered = sorted(orders.items(), key=lambda item: list(BY_NAME).index(item[1].name))
+    places = {name: place for place, name in enumerate(BY_NAME)}
+    ordered = sorted(orders.items(), key=lambda item: places[item[1].name])
     return Keymap(dict(ordered), tuple(complaints))
 
 
