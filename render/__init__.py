@@ -1,1 +1,5 @@
 """Splats and a camera in, pixels out."""
+
+from .vectors import widen
+
+widen()

@@ -40,20 +40,21 @@ class _Splatting(torch.autograd.Function):
         pairs = np.empty(int(ends[-1]), np.int32)
         fill_pairs(orders[0], visible, spans, columns, ends, pairs)
         image = torch.empty(height, width, 4)
+        bands = np.empty((len(pairs), 2), np.uint8)
         lights = np.empty((columns * rows, TILE, 2 * TILE), np.float32)
-        blend(pairs, ends, centers, shapes, colors, columns, rows, image.numpy(), lights)
+        blend(pairs, ends, centers, shapes, colors, columns, rows, image.numpy(), bands, lights)
         ctx.save_for_backward(*tensors, world_to_camera)
-        ctx.drawn = (pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights)
+        ctx.drawn = (pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights)
         ctx.placed = (positions, wxyz, scales, opacities, matrix, lens, firsts)
         return image
 
     @staticmethod
     def backward(ctx: Any, *grad_outputs: Any) -> Any:
         *tensors, camera = ctx.saved_tensors  # raises where one was changed since: the arrays of forward share memory
-        pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights = ctx.drawn
+        pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights = ctx.drawn
         sums = np.empty((int(firsts[-1]), SUMS), np.float32)
         d_image = grad_outputs[0].contiguous().numpy()
-        blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, lights, d_image, sums)
+        blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights, d_image, sums)
         gradients = [torch.empty(tensor.shape) for tensor in tensors]
         shares = np.empty((SHARES, 3, 4))
         positions, wxyz, scales, opacities, matrix, lens, firsts = ctx.placed

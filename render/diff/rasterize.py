@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from ..camera import Camera
-from . import cpu, cuda, oracle
+from . import cpu, cuda, grounds, oracle
 from .tensors import GaussianTensors
 
 EngineName = Literal["auto", "torch", "cpu", "cuda"]
@@ -50,6 +50,8 @@ def rasterize(
         image = cuda.render(gaussians.to("cuda"), camera, world_to_camera.to("cuda", torch.float32)).to(like.device)
     elif chosen == "cpu":
         image = cpu.render(gaussians, camera, world_to_camera)
+        if background is not None:
+            return grounds.lay(image, background.to(image))
     else:
         image = oracle.render(gaussians, camera, world_to_camera.to(like.dtype))
     return image if background is None else over(image, background)

@@ -119,6 +119,21 @@ def test_cpu_gradients_are_finite_differences() -> None:
         assert (sums[0] - sums[1]) / 2 == pytest.approx(float((slopes[name] * way).sum()), rel=2e-2), name
 
 
+def test_a_picture_behind_the_splats_has_its_gradient() -> None:
+    splats, camera = few()
+    scene, weights = (
+        torch.rand(12, 14, 3, generator=torch.Generator().manual_seed(2)),
+        torch.linspace(-1, 2, 12 * 14 * 3),
+    )
+    found = []
+    for engine, dtype in (("cpu", torch.float32), ("torch", torch.float64)):
+        leaves = [tensor.to(dtype).requires_grad_() for tensor in (*vars(splats).values(), scene)]
+        image = rasterize(GaussianTensors(*leaves[:5]), camera, leaves[5], engine)  # pyright: ignore[reportArgumentType]
+        found.append(torch.autograd.grad((image.flatten() * weights.to(dtype)).sum(), leaves))
+    for single, wanted in zip(*found, strict=True):
+        assert worst(single, wanted) <= 1e-5
+
+
 def test_the_same_input_gives_the_same_bits() -> None:
     splats = tensors_of(activate(SHELL[0]))
     first, second = (gradients(splats, SHELL[1], "cpu") for _ in range(2))
