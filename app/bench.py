@@ -1,6 +1,5 @@
 """Measures drawing on this machine: median milliseconds by stage, for each engine."""
 
-import json as json_format
 import os
 import platform
 import time
@@ -24,7 +23,9 @@ from ..render.software import SoftwareEngine
 from ..render.splats import SplatRenderer
 from .casting import open_avatar
 from .library import find_avatar
+from .places import check_places
 from .portrait import portrait
+from .reports import write_json
 from .synthetic import synthetic_gem
 
 SPLATS = (15_000, 60_000, 240_000)
@@ -76,7 +77,10 @@ def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None 
         json: where to write them as JSON too.
         quick: only the smallest scene.
         avatar: name or file of an avatar to measure besides the synthetic scenes.
+
+    Raises CommandError.
     """
+    check_places(json)
     engines, about = _engines()
     report = Report(cpu_name(), os.cpu_count() or 1, about, [])
     try:
@@ -91,7 +95,7 @@ def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None 
             engine.close()
     _print(report)
     if json is not None:
-        json.write_text(json_format.dumps(asdict(report), indent=1) + "\n", "utf-8")
+        write_json(json, asdict(report))
     return report
 
 

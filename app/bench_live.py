@@ -1,6 +1,5 @@
 """``gemheads bench --live``: the real live loop, its latency read back from the pixels on the screen."""
 
-import json as json_format
 import os
 import time
 from dataclasses import asdict, dataclass
@@ -32,6 +31,8 @@ from .desk.window import TITLE, DeskWindow
 from .figures import Spread
 from .library import find_avatar
 from .live import run_live
+from .places import check_places
+from .reports import write_json
 
 SIZE = (512, 512)
 COMPONENTS = 30
@@ -119,11 +120,14 @@ def run_live_bench(
         components: how many components a modality.
         size: width and height of the avatar's picture in pixels.
         warm_up: seconds before the measurement.
+
+    Raises CommandError.
     """
+    check_places(json)
     report = _measure(find_avatar(avatar), seconds, engine, components, size, warm_up)
     _print(report)
     if json is not None:
-        json.write_text(json_format.dumps(asdict(report) | {"goals": report.goals()}, indent=1) + "\n", "utf-8")
+        write_json(json, asdict(report) | {"goals": report.goals()})
     return report
 
 

@@ -14,6 +14,7 @@ from .moments import save_moments
 from .opencapture import chosen, opened
 from .performance import Pose
 from .pictures import write_png
+from .places import check_places
 from .progress import ProgressBar
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     cast, footage = open_avatar(avatar), opened(capture)
     shots = chosen(footage, wish.split, wish.cameras)
+    check_places(out, wish.errors)
     poses: dict[int, Pose] = {}
     quality: list[float] = []
     seconds: list[float] = []

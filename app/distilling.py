@@ -15,6 +15,7 @@ from .distillable import Opened, Wanted, open_source
 from .errors import ExitCode, InputError, OutputError, UsageError
 from .moments import save_moments
 from .performance import Pose
+from .places import check_places
 from .progress import ProgressBar
 
 ORIGIN = ("author", "licence", "consent")
@@ -34,6 +35,7 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
             opened = open_source(place, wanted, bar.reach)
             source = opened.source
             about["source"] = f"{source.kind} {Path(place).name}, {source.count} frames"
+            check_places(out, wanted.moments)
             gem, distilled = adopt(source, wanted.name or out.stem, wanted.components, about, bar.reach)
         except TooLargeError as error:
             raise UsageError(f"{place}: {error}") from error
@@ -49,7 +51,6 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
         for note in source.notes:
             bar.say(f"{place}: {note}")
     try:
-        out.parent.mkdir(parents=True, exist_ok=True)
         save_gem(gem, out)
     except GemFormatError as error:
         raise InputError(f"{place}: gives no sound avatar: {error.what}; {error.cure}") from error

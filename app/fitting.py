@@ -19,6 +19,7 @@ from .following import Express
 from .frames import Frame
 from .performance import Pose
 from .pictures import write_png
+from .places import check_places
 from .portrait import portrait
 from .progress import ProgressBar
 from .sources import Source, open_source
@@ -72,6 +73,7 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     source = open_source(picture, wish.rate)
     cast = open_avatar(avatar)
+    check_places(out, wish.errors)
     fitter = _Fitter(cast, source, wish)
     frames: list[Fitted] = []
     code = ExitCode.OK

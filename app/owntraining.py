@@ -13,6 +13,7 @@ from .casting import open_avatar
 from .errors import ExitCode, InputError, NoFaceError, OutputError, UsageError
 from .opencapture import opened
 from .pictures import write_png
+from .places import check_places
 from .progress import ProgressBar
 from .trainingmoments import training_moments
 
@@ -55,6 +56,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     _check(wish)
     cast, footage = open_avatar(avatar), opened(capture)
+    check_places(out, wish.report, wish.strip)
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
     judged: SelfReenactment | None = None
     try:

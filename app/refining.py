@@ -15,6 +15,7 @@ from .moments import save_moments
 from .opencapture import opened
 from .performance import Pose
 from .pictures import write_png
+from .places import check_places
 from .progress import ProgressBar
 from .trainingmoments import training_moments
 
@@ -58,6 +59,7 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
     if out.suffix != ".gem":
         raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
     cast, footage = open_avatar(avatar), opened(capture)
+    check_places(out, wish.moments, wish.sheet)
     effort = RefineEffort(
         wish.iterations, coefficients=wish.coefficients == "free", colors=wish.colors == "free", seed=wish.seed
     )
@@ -97,7 +99,6 @@ def _save(answer: "Refinement", cast: Avatar, footage: Capture, out: Path) -> No
     if not answer.improved and out.exists() and out.samefile(cast.path):
         return
     try:
-        out.parent.mkdir(parents=True, exist_ok=True)
         save_gem(_signed(answer, footage) if answer.improved else cast.gem, out)
     except GemFormatError as error:
         raise InputError(f"{cast.path}: gives no sound avatar: {error.what}; {error.cure}") from error

@@ -80,9 +80,14 @@ def write_report(path: Path, settings: dict[str, Any], outcomes: list[Outcome]) 
         rate = outcome.tally.frames / outcome.seconds if outcome.seconds else 0.0
         runs.append({**run, **outcome.tally.as_json(), "frames_per_second": round(rate, 2)})
     report = {"settings": settings, "runs": runs, "versions": versions()}
+    write_json(path, report)
+
+
+def write_json(path: Path, tree: object) -> None:
+    """What a program reads, in lines that a person can. Raises OutputError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, [(json.dumps(report, indent=2) + "\n").encode()])
+        write_whole(path, [(json.dumps(tree, indent=2) + "\n").encode()])
     except OSError as error:
         raise OutputError(f"{path}: the report cannot be written ({error.strerror}); check the folder") from error
 

@@ -12,6 +12,7 @@ from .following import Actor
 from .live import perform
 from .neutrals import NeutralRule, find_neutral, said
 from .performance import Pose
+from .places import check_places
 from .progress import ProgressBar
 from .reports import Tally
 from .sources import open_source
@@ -29,6 +30,7 @@ def run_tracking(
     """
     source = open_source(driver, rate)
     cast = open_avatar(avatar)
+    check_places(out)
     tracker = FaceTracker()
     express = expression_of(cast, driving)
     neutral = find_neutral(rule, source, tracker)

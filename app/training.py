@@ -1,9 +1,9 @@
 """Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
 
-import tempfile
 from pathlib import Path
 
 from .errors import ExitCode, InputError, OutputError
+from .places import check_places
 from .progress import ProgressBar
 
 
@@ -19,7 +19,7 @@ def run_training(
     for video in videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
-    _check_place((out or avatar).parent)
+    check_places(out or avatar)
     try:
         with ProgressBar() as bar:
             report = train_regressor(
@@ -41,11 +41,3 @@ def run_training(
         f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
     )
     return ExitCode.OK
-
-
-def _check_place(folder: Path) -> None:
-    """Raises OutputError now rather than after an hour, where nothing can be written."""
-    try:
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another place with --out") from error
