@@ -6,11 +6,12 @@ import sys
 from cyclopts import App, CycloptsError
 
 from .commands import avatars, driven, learning, live, machine, trust
-from .errors import CommandError, ExitCode
+from .errors import CommandError, ExitCode, lacks_memory
 
 EXIT_CODES = """Exit codes: 0 done, 1 unexpected failure, 2 wrong usage, 3 an input cannot be used, 4 no face anywhere,
 5 the output cannot be written, 6 and 7 verify found changes or no credentials, 130 stopped with Ctrl-C. Errors are one
 line on stderr; --debug adds the traceback."""
+FULL = "the memory is full; close other programs, or ask for less (--size, --components)"
 
 app = App(
     name="gemheads",
@@ -53,18 +54,17 @@ def main(arguments: list[str] | None = None) -> int:
         return ExitCode.INTERRUPTED
     except BrokenPipeError:
         return ExitCode.OUTPUT
-    except MemoryError:
-        print(
-            "error: the memory is full; close other programs, or ask for less (--size, --components)", file=sys.stderr
-        )
-        return ExitCode.UNEXPECTED
+    except CommandError as error:
+        if debug:
+            raise
+        print(f"error: {error}", file=sys.stderr)
+        return error.code
     except Exception as error:
         if debug:
             raise
-        known = isinstance(error, CommandError)
-        hint = "" if known else f"unexpected {type(error).__name__}: "
-        print(f"error: {hint}{error}{'' if known else '; run again with --debug to see where'}", file=sys.stderr)
-        return error.code if isinstance(error, CommandError) else ExitCode.UNEXPECTED
+        told = f"unexpected {type(error).__name__}: {error}; run again with --debug to see where"
+        print(f"error: {FULL if lacks_memory(error) else told}", file=sys.stderr)
+        return ExitCode.UNEXPECTED
 
 
 if __name__ == "__main__":

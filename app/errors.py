@@ -1,6 +1,9 @@
 """What can go wrong in a command, as exit codes and one kind of exception; every text says what, where and the cure."""
 
+import re
 from enum import IntEnum
+
+_MEMORY = re.compile("out of memory|insufficient memory|(can't|cannot|unable to|failed to) allocate", re.IGNORECASE)
 
 
 class ExitCode(IntEnum):
@@ -21,6 +24,11 @@ def brief(error: object) -> str:
     """What an error says, on one line of at most 200 characters: hostile files put themselves into messages."""
     line = " ".join(str(error).split())
     return line if len(line) <= 200 else f"{line[:197]}..."
+
+
+def lacks_memory(error: BaseException) -> bool:
+    """Whether the memory is full: torch, OpenCV and onnxruntime each say so in errors of their own."""
+    return isinstance(error, MemoryError) or bool(_MEMORY.search(str(error)))
 
 
 class CommandError(Exception):
