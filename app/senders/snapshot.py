@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 
+from ...models.wholefile import settle
 from ..badge import badged
 from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
@@ -53,6 +54,7 @@ def save_picture(picture: Image, folder: Path, signed: Callable[[bytes], bytes] 
     try:
         try:
             aside.write_bytes(signed(data.tobytes()))
+            settle(aside)
             return _named(aside, folder)
         finally:
             aside.unlink(missing_ok=True)

