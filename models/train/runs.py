@@ -107,7 +107,7 @@ def load(avatar: Avatar, weights: Mapping[str, Any], folder: Path) -> None:
     """Puts weights into an avatar. RunError where they are of another one: the capture's template was changed."""
     try:
         avatar.load_state_dict(weights)
-    except RuntimeError as error:
+    except (RuntimeError, TypeError) as error:
         what = "does not fit its capture's template, which must have changed"
         raise RunError(folder / CHECKPOINT, what, "train again into another folder") from error
 
@@ -131,8 +131,9 @@ def read_config(folder: Path) -> Config | None:
         if version == VERSION:
             return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]), _seconds(told))
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError, OSError) as error:
-        raise RunError(path, f"cannot be understood ({error})", "train again into another folder") from error
-    raise RunError(path, f"has version {version}, this program reads {VERSION}", "use the program that wrote it")
+        raise RunError(path, f"cannot be understood ({str(error)[:200]})", "train again into another folder") from error
+    what = f"has version {str(version)[:20]}, this program reads {VERSION}"
+    raise RunError(path, what, "use the program that wrote it")
 
 
 def _seconds(told: Mapping[str, Any]) -> float | None:
@@ -156,7 +157,8 @@ def read_checkpoint(folder: Path) -> dict[str, Any] | None:
     if not path.is_file():
         return None
     try:
-        return dict(torch.load(path, map_location="cpu", weights_only=True))
+        state = torch.load(path, map_location="cpu", weights_only=True)
+        return {**state, "step": int(state["step"]), "avatar": dict(state["avatar"])}
     except Exception as error:  # torch names many, and a broken archive has its own
         cure = f"delete {CHECKPOINT} to begin anew"
         raise RunError(path, f"is broken ({type(error).__name__})", cure) from error
