@@ -7,9 +7,9 @@ import av
 import cv2
 import pytest
 from gemheads.app.library import DEMO_CLIP
+from sealed import run_sealed
 
 from .conftest import Clip
-from .sealed import run_sealed
 
 PROGRAM = """
 import json, os, sys

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from sealed import skip_where_refused
 
 from .test_killed_commands import played
 
@@ -54,6 +55,7 @@ def run(limit: int, commands: dict[str, list[str]], first: str = "") -> dict[str
     program = [sys.executable, "-c", first + PROGRAM, str(limit)]
     given = json.dumps(commands)
     done = subprocess.run(program, input=given, capture_output=True, text=True, timeout=120, check=False)
+    skip_where_refused(done)
     assert done.returncode == 0, done.stderr
     return {name: Answer(*answer) for name, answer in json.loads(done.stdout.splitlines()[-1]).items()}
 

@@ -20,6 +20,7 @@ from gemheads.models.wholefile import file_sha256
 
 from .writers import avatar
 
+PYTHON = [sys.executable, "-m", "gemheads.app.cli"]
 FRAMES = 90
 LATEST = 0.3
 """Seconds after the first trace of a result at which it is killed at the latest."""
@@ -43,7 +44,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 def command(played: tuple[Path, Path], out: Path, *more: str) -> list[str]:
     words = ["reenact", "--avatar", str(played[0]), "--track", str(played[1]), "-o", str(out), "--engine", "software"]
-    return [sys.executable, "-m", "gemheads.app.cli", *words, "--size", "128x128", *more]
+    return [*PYTHON, *words, "--size", "128x128", *more]
 
 
 def killed(words: list[str], begun: Path, secs: float) -> bool:
@@ -100,17 +101,7 @@ def test_a_killed_training_leaves_the_avatar_as_it_was(played: tuple[Path, Path]
     pytest.importorskip("torch")
     path = tmp_path / "avatar.gem"
     path.write_bytes(played[0].read_bytes())
-    words = [
-        sys.executable,
-        "-m",
-        "gemheads.app.cli",
-        "train-regressor",
-        str(path),
-        "--pictures",
-        "300",
-        "--steps",
-        "50",
-    ]
+    words = [*PYTHON, "train-regressor", str(path), "--pictures", "300", "--steps", "50"]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     with subprocess.Popen(words, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
         time.sleep(random.Random(3).uniform(2.0, 5.0))

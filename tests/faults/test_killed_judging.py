@@ -3,7 +3,6 @@
 import json
 import random
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -18,17 +17,11 @@ from gemheads.app.errors import ExitCode
 from gemheads.models.gemfile import load_gem
 from gemheads.models.wholefile import file_sha256
 
-PYTHON = [sys.executable, "-m", "gemheads.app.cli"]
+from .conftest import Learned
+from .test_killed_commands import PYTHON
+
 LONGEST = 60.0
 """Seconds that a command is waited for."""
-
-
-@pytest.fixture(scope="module")
-def avatar(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("avatars") / "toy.gem"
-    words = ("--maps", "16", "--components", "2", "--moments", str(path.with_suffix(".track")))
-    assert main(["distill", str(toy_capture), "-o", str(path), *words]) == ExitCode.OK
-    return path
 
 
 def evaluation(avatar: Path, capture: Path, out: Path, *more: str) -> list[str]:
@@ -62,12 +55,13 @@ def tables(out: Path) -> dict[str, Any]:
     return found
 
 
-def test_a_killed_evaluation_keeps_what_it_judged(toy_capture: Path, avatar: Path, tmp_path: Path) -> None:
+def test_a_killed_evaluation_keeps_what_it_judged(learned: Learned, tmp_path: Path) -> None:
+    capture, avatar, _ = learned
     rng, out, whole = random.Random(4), tmp_path / "killed", tmp_path / "whole"
     jobs = ("--jobs", "1"), ("--jobs", "2")
     before: dict[str, Any] = {}
     for more in jobs:
-        children = killed(evaluation(avatar, toy_capture, out, *more), out / "judged", rng.uniform(0.0, 0.5))
+        children = killed(evaluation(avatar, capture, out, *more), out / "judged", rng.uniform(0.0, 0.5))
         kept = judged(out)
         assert {key: kept.get(key) for key in before} == before  # nothing that was judged is lost, or done again
         if (out / "report.json").exists():  # it was done just before
@@ -76,20 +70,19 @@ def test_a_killed_evaluation_keeps_what_it_judged(toy_capture: Path, avatar: Pat
         _, alive = psutil.wait_procs(children, timeout=LONGEST)
         assert not alive, "a process that judged outlived its parent"
     assert before
-    assert main(evaluation(avatar, toy_capture, out, "--jobs", "1")) == ExitCode.OK
-    assert main(evaluation(avatar, toy_capture, whole, "--jobs", "1")) == ExitCode.OK
+    assert main(evaluation(avatar, capture, out, "--jobs", "1")) == ExitCode.OK
+    assert main(evaluation(avatar, capture, whole, "--jobs", "1")) == ExitCode.OK
     assert tables(out) == tables(whole)
     after = judged(out)
     assert {key: after[key] for key in before} == before
 
 
-def test_a_killed_refinement_leaves_the_old_avatar_or_the_new_one(
-    toy_capture: Path, avatar: Path, tmp_path: Path
-) -> None:
+def test_a_killed_refinement_leaves_the_old_avatar_or_the_new_one(learned: Learned, tmp_path: Path) -> None:
     """Over itself, where a half-written file would be the loss of the avatar."""
+    capture, avatar, track = learned
     rng, path = random.Random(5), tmp_path / "toy.gem"
-    start = ("--start", str(avatar.with_suffix(".track")), "--iterations", "10", "--no-perceptual")
-    words = ["refine", str(path), str(toy_capture), *start]
+    start = ("--start", str(track), "--iterations", "10", "--no-perceptual")
+    words = ["refine", str(path), str(capture), *start]
     path.write_bytes(avatar.read_bytes())
     began = time.monotonic()
     subprocess.run(PYTHON + words, check=True, capture_output=True, timeout=LONGEST)

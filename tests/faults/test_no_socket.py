@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from gemheads.app.cli import app
+from gemheads.app.inputs.oscin import PORTS
 
 from .test_full_disk import commands, frames, run
 from .test_killed_commands import played
@@ -13,29 +14,32 @@ __all__ = ["frames", "played"]
 AUDIT = """
 import sys
 
+allowed = ()
+
 def heard(event, arguments):
     if event in ("socket.connect", "socket.bind", "socket.sendto", "socket.getaddrinfo", "socket.gethostbyname"):
-        raise SystemExit(f"SOCKET {event} {arguments}")
+        if arguments[-1] not in allowed:
+            raise SystemExit(f"SOCKET {event} {arguments}")
 
 sys.addaudithook(heard)
 """
 ELSEWHERE = {
-    "live": "listens only when told to: tests/app/desk/test_remote.py, tests/app/inputs/test_oscin.py",
-    "track": "tests/app/test_offline.py",
-    "verify": "tests/app/test_offline.py",
-    "doctor": "with --live it tries its own ports on this machine",
-    **dict.fromkeys(
-        ("demo", "bench", "fit", "capture", "train", "refine", "evaluate"), "what these others do, in other orders"
-    ),
+    "live": "tests/app/desk/test_window.py; it listens only when told to: tests/app/desk/test_remote.py",
+    **dict.fromkeys(("track", "verify"), "tests/app/test_offline.py"),
+    **dict.fromkeys(("capture", "train", "refine", "fit", "evaluate"), "tests/faults/test_learning.py"),
+    "demo": "reenact, of a clip that is shipped",
 }
-"""Commands that are not looked at here, and why."""
+"""Commands that are looked at elsewhere."""
 
 
 @pytest.fixture(scope="module")
 def words(tmp_path_factory: pytest.TempPathFactory, played: tuple[Path, Path], frames: Path) -> dict[str, list[str]]:
     """Name -> words of a small run of every command that needs no face."""
     out = tmp_path_factory.mktemp("out")
-    return {**commands(played, frames, out), "info": ["info"], "info FILE": ["info", str(played[0])]}
+    return {
+        **commands(played, frames, out),
+        **{"info": ["info"], "info FILE": ["info", str(played[0])], "bench": ["bench", "--quick"]},
+    }
 
 
 def test_commands_open_no_socket(words: dict[str, list[str]]) -> None:
@@ -50,6 +54,12 @@ def test_a_training_opens_no_socket(words: dict[str, list[str]]) -> None:
     assert "SOCKET" not in answer.stderr
 
 
+def test_doctor_tries_ports_of_this_computer_alone() -> None:
+    """Those on which face data comes in."""
+    ports = [("127.0.0.1", port) for port in PORTS.values()]
+    run(0, {"doctor": ["doctor"]}, AUDIT.replace("allowed = ()", f"allowed = {ports}"))
+
+
 def test_a_socket_would_be_noticed() -> None:
     torn = AUDIT + "import socket\nsocket.getaddrinfo('localhost', 80)\n"
     with pytest.raises(AssertionError, match=r"SOCKET socket\.getaddrinfo"):
@@ -57,5 +67,5 @@ def test_a_socket_would_be_noticed() -> None:
 
 
 def test_no_command_was_forgotten(words: dict[str, list[str]]) -> None:
-    known = {*ELSEWHERE, *(name.split()[0] for name in words)}
+    known = {"doctor", *ELSEWHERE, *(name.split()[0] for name in words)}
     assert {name for name in app if not name.startswith("-")} <= known, "look whether the new ones open sockets"

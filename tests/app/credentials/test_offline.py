@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
+from sealed import KILLED, run_sealed
 
-from ..sealed import KILLED, run_sealed
 from .conftest import write_file
 
 SIGN_AND_READ = """

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from sealed import seal
 
 REASON = "needs Xvfb and xdotool (Debian: apt-get install xvfb xdotool)"
 driven = pytest.mark.skipif(not (shutil.which("Xvfb") and shutil.which("xdotool")), reason=REASON)
@@ -108,9 +109,8 @@ def running(display: str, tmp_path: Path, tiny: Path) -> Iterator[Running]:
     }
     log = tmp_path / "log"
     with log.open("w") as out:
-        process = subprocess.Popen(
-            [sys.executable, "-c", PROGRAM], env=environment, stdin=subprocess.PIPE, stdout=out, stderr=out, text=True
-        )
+        command = [sys.executable, "-c", seal() + PROGRAM]
+        process = subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=out, stderr=out, text=True)
         try:
             yield Running(process, environment, log)
         finally:
@@ -128,6 +128,7 @@ def word(state: str, index: int) -> str:
 def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
     running: Running, tiny: Path, tmp_path: Path
 ) -> None:
+    """In a program that the first socket of the network would kill."""
     running.until(lambda state: bool(state) and word(state, 7) == "-" and word(state, 9) != "-")
     window = running.xdotool("search", "--name", "^gemheads$").splitlines()[0]
     running.key("Escape")

@@ -25,14 +25,23 @@ if libc.prctl(22, 2, ctypes.c_char_p(program), 0, 0) != 0:
 REFUSED = 77
 
 
-def run_sealed(program: str, *words: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
-    """Runs a program with these arguments; it ends with KILLED at the first socket. Skips where there is no seccomp."""
+def seal() -> str:
+    """What such a program begins with; those that it starts inherit it. Skips where no system call can be forbidden."""
     if not sys.platform.startswith("linux") or platform.machine() not in SOCKET_CALL:
         pytest.skip("no system call can be forbidden here (Linux on x86_64 or aarch64 only)")
-    seal = _SEAL.format(number=SOCKET_CALL[platform.machine()])
+    return _SEAL.format(number=SOCKET_CALL[platform.machine()])
+
+
+def run_sealed(program: str, *words: str, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    """Runs a program with these arguments; it ends with KILLED at the first socket. Skips where there is no seccomp."""
     done = subprocess.run(
-        [sys.executable, "-c", seal + program, *words], capture_output=True, text=True, timeout=timeout, check=False
+        [sys.executable, "-c", seal() + program, *words], capture_output=True, text=True, timeout=timeout, check=False
     )
+    skip_where_refused(done)
+    return done
+
+
+def skip_where_refused(done: subprocess.CompletedProcess[str]) -> None:
+    """Skips the test where a program could not seal itself."""
     if done.returncode == REFUSED:
         pytest.skip("this system does not let a program forbid itself system calls")
-    return done
