@@ -1,5 +1,6 @@
 """The base installation goes with Apache-2.0, the lock covers what `make test` asks for, and the bill lists it all."""
 
+import os
 import re
 import subprocess
 import sys
@@ -113,3 +114,31 @@ def test_the_bill_lists_everything_once_and_nothing_that_changes() -> None:
     assert all(component["licenses"][0]["license"]["name"] != "not stated" for component in document["components"])
     (av,) = [component for component in document["components"] if component["name"] == "av"]
     assert av["purl"].startswith("pkg:pypi/av@")
+
+
+def test_ci_checks_the_hashes_before_anything_else_is_installed(tmp_path: Path) -> None:
+    """.ci/run with a make that says what it was given, .ci/install with a pip that says what it is asked for."""
+    bin_folder, log = tmp_path / "bin", tmp_path / "log"
+    bin_folder.mkdir()
+    stands_in(bin_folder / "make", 'echo "CI=$CI"')
+    stands_in(bin_folder / "pip", f'echo "$@" >> {log}')
+    stands_in(bin_folder / "python", f"echo '{LOCK.splitlines()[0]}'")
+    path = f"{bin_folder}:{os.environ['PATH']}"
+    plain = {name: value for name, value in os.environ.items() if name != "CI"} | {"PATH": path}
+    run = subprocess.run([str(ROOT / ".ci" / "run")], env=plain, capture_output=True, text=True, check=True)
+    assert run.stdout == "CI=true\n"
+
+    install = [str(ROOT / ".ci" / "install"), str(bin_folder), "[train,dev]"]
+    subprocess.run(install, env=plain | {"CI": "true"}, check=True)
+    first, second = log.read_text().splitlines()
+    assert first == "install --quiet --require-hashes --requirement .ci/requirements.txt"
+    assert second.startswith("install --quiet --constraint constraints.txt")
+    log.unlink()
+    subprocess.run(install, env=plain, check=True)  # on anybody's computer the constraints are enough
+    assert "--require-hashes" not in log.read_text()
+
+
+def stands_in(path: Path, line: str) -> None:
+    """A program that does nothing but this."""
+    path.write_text(f"#!/bin/sh\n{line}\n")
+    path.chmod(0o755)
