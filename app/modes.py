@@ -13,6 +13,7 @@ from ..render.camera import Camera
 from ..render.compositing import over
 from ..render.gaussians import RawGaussians
 from ..render.software import SoftwareEngine
+from .badge import badged
 from .errors import OutputError
 from .pictures import write_png
 from .portrait import portrait
@@ -83,7 +84,7 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
     grid = np.concatenate(pictures)
     if not grid.size:
         raise OutputError(f"{out}: nothing to draw; ask for one component or more of an avatar that moves")
-    write_png(grid, out)
+    write_png(badged(grid), out)
 
 
 def _label(modality: str, component: int, width: int, steps: int) -> Image:

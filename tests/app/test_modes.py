@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from gemheads.app.badge import badged
 from gemheads.app.errors import OutputError
 from gemheads.app.modes import LABEL_PX, draw_modes, modes_picture
 from gemheads.models.gem import MODALITIES, Basis
@@ -45,6 +46,9 @@ def test_the_command_writes_a_png(tiny: Path, tmp_path: Path) -> None:
     picture = cv2.imread(str(out))
     assert picture is not None
     assert picture.shape == (4 * 2 * (LABEL_PX + 32), 5 * 32, 3)
+    gem, engine = load_gem(tiny), SoftwareEngine()
+    bare = np.concatenate([modes_picture(gem, range(2), modality, (32, 32), engine) for modality in MODALITIES])
+    assert (picture[..., ::-1] == badged(bare)).all()
 
 
 def test_a_folder_that_is_a_file_is_one_plain_error(tiny: Path, tmp_path: Path) -> None:
