@@ -8,7 +8,10 @@ import pytest
 from gemheads.render.vectors import has_fast_wide_vectors
 from llvmlite import binding
 
-ASK = "import {first}; from numba.core.registry import cpu_target; print(cpu_target.target_context.codegen()._tm_features)"
+ASK = (
+    "import {first}; from numba.core.registry import cpu_target;"
+    "print(cpu_target.target_context.codegen().magic_tuple()[2])"
+)
 
 
 def compiled_for(first: str, **environment: str) -> str:
