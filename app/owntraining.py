@@ -1,6 +1,5 @@
 """``gemheads train-regressor`` with a capture: learned from the person's own frames, judged on frames held out."""
 
-import json
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -8,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from ..models.captures.layout import CaptureError
 from ..models.gemfile import load_gem, read_info, save_gem
-from ..models.wholefile import write_whole
 from .casting import open_avatar
-from .errors import ExitCode, InputError, NoFaceError, OutputError, UsageError
+from .errors import ExitCode, InputError, NoFaceError, UsageError
 from .opencapture import opened
 from .pictures import write_png
-from .places import check_places
+from .places import check_places, save_learned
 from .progress import ProgressBar
+from .reports import write_json
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
@@ -74,12 +73,9 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         raise NoFaceError(f"{error}; --pictures 0 learns without the avatar's own pictures") from error
     except (CaptureError, ValueError) as error:
         raise InputError(str(error)) from error
-    try:
-        save_gem(learned.gem, out, basis=read_info(avatar).card.basis)
-        if wish.report is not None:
-            write_whole(wish.report, [json.dumps(_document(learned, judged), indent=1).encode() + b"\n"])
-    except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+    save_learned(partial(save_gem, learned.gem, basis=read_info(avatar).card.basis), out)
+    if wish.report is not None:
+        write_json(wish.report, _document(learned, judged))
     if wish.strip is not None and judged is not None:
         write_png(judged.strip, wish.strip)
     print(_told(out, learned, judged))

@@ -1,6 +1,7 @@
-"""Where results go: looked at before hours are spent on them."""
+"""Where results go: looked at before hours are spent on them, and elsewhere if there is no room in the end."""
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from .errors import OutputError
@@ -17,3 +18,20 @@ def check_places(*outs: Path | None) -> None:
             tempfile.TemporaryFile(dir=folder).close()
         except OSError as error:
             raise OutputError(f"{folder}: cannot be written ({error.strerror}); choose another folder") from error
+
+
+def save_learned(save: Callable[[Path], None], out: Path) -> None:
+    """Save what took hours to ``out``; where that cannot be written any more, into a new folder for temporary files.
+
+    Raises OutputError that says where it is, or that it is lost.
+    """
+    try:
+        save(out)
+    except OSError as error:
+        what = f"{out}: cannot be written ({error.strerror})"
+        try:
+            kept = Path(tempfile.mkdtemp(prefix="gemheads-")) / out.name
+            save(kept)
+        except OSError:
+            raise OutputError(f"{what}; check the folder and the space, and run again") from error
+        raise OutputError(f"{what}; it is whole, and kept as {kept}: free some space and move it there") from error

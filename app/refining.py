@@ -1,6 +1,7 @@
 """``gemheads refine``: the bases of an avatar, changed until its pictures are those of a capture."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -10,12 +11,12 @@ from ..models.gem import Gem
 from ..models.gemfile import GemFormatError, save_gem
 from ..models.wholefile import file_sha256
 from .casting import Avatar, open_avatar
-from .errors import ExitCode, InputError, OutputError, UsageError
+from .errors import ExitCode, InputError, UsageError
 from .moments import save_moments
 from .opencapture import opened
 from .performance import Pose
 from .pictures import write_png
-from .places import check_places
+from .places import check_places, save_learned
 from .progress import ProgressBar
 from .trainingmoments import training_moments
 
@@ -99,11 +100,9 @@ def _save(answer: "Refinement", cast: Avatar, footage: Capture, out: Path) -> No
     if not answer.improved and out.exists() and out.samefile(cast.path):
         return
     try:
-        save_gem(_signed(answer, footage) if answer.improved else cast.gem, out)
+        save_learned(partial(save_gem, _signed(answer, footage) if answer.improved else cast.gem), out)
     except GemFormatError as error:
         raise InputError(f"{cast.path}: gives no sound avatar: {error.what}; {error.cure}") from error
-    except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
 
 
 def _signed(answer: "Refinement", footage: Capture) -> Gem:

@@ -1,9 +1,11 @@
 """Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
 
+from functools import partial
 from pathlib import Path
 
-from .errors import ExitCode, InputError, OutputError
-from .places import check_places
+from ..models.gemfile import read_info, save_gem
+from .errors import ExitCode, InputError
+from .places import check_places, save_learned
 from .progress import ProgressBar
 
 
@@ -19,12 +21,12 @@ def run_training(
     for video in videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
-    check_places(out or avatar)
+    out = out or avatar
+    check_places(out)
     try:
         with ProgressBar() as bar:
-            report = train_regressor(
+            gem, report = train_regressor(
                 avatar,
-                out,
                 companions=companions,
                 videos=videos,
                 pictures=pictures,
@@ -34,10 +36,9 @@ def run_training(
             )
     except (ValueError, AvatarNotSeen) as error:  # a GemFormatError, or what is wrong with a video
         raise InputError(str(error)) from error
-    except OSError as error:
-        raise OutputError(f"{out or avatar}: cannot be written ({error.strerror}); check the folder") from error
+    save_learned(partial(save_gem, gem, basis=read_info(avatar).card.basis), out)
     print(
-        f"{out or avatar}: regressor trained on {report.pictures} pictures; the avatar's response is known to"
+        f"{out}: regressor trained on {report.pictures} pictures; the avatar's response is known to"
         f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
     )
     return ExitCode.OK

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..driver.features import BLOCKS
 from ..gem import Gem
-from ..gemfile import load_gem, read_info, save_gem
+from ..gemfile import load_gem
 from .closing import ClosedLoop, descend
 from .controls import controls_of
 from .export_onnx import export_onnx
@@ -66,7 +66,6 @@ class TrainingReport:
 
 def train_regressor(
     avatar: Path,
-    out: Path | None = None,
     *,
     companions: Sequence[Path] = (),
     videos: Sequence[Path] = (),
@@ -74,12 +73,11 @@ def train_regressor(
     steps: int = 6000,
     seed: int = 0,
     progress: Progress = lambda stage, done, total: None,
-) -> TrainingReport:
-    """Trains a regressor for ``avatar`` and saves the avatar with it.
+) -> tuple[Gem, TrainingReport]:
+    """Trains a regressor for ``avatar``, and gives the avatar with it.
 
     Args:
         avatar: a .gem file.
-        out: where the result goes; None replaces ``avatar``.
         companions: other avatars, which play strangers.
         videos: any videos of faces, unlabelled; they need not be of one person.
         pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
@@ -102,8 +100,7 @@ def train_regressor(
         seed=seed,
         progress=progress,
     )
-    save_gem(replace(gem, regressor=regressor), out or avatar, basis=read_info(avatar).card.basis)
-    return report
+    return replace(gem, regressor=regressor), report
 
 
 def regressor_for(

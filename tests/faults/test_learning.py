@@ -1,12 +1,19 @@
 """The way from a capture to an avatar: on a full disk, into a barred folder, without a network, killed."""
 
+import errno
 import json
+import os
 import random
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
 from gemheads.models.captures.reader import open_capture
+from gemheads.models.gem import Gem
+from gemheads.models.gemfile import load_gem, save_gem
 from sealed import seal
 
 from .conftest import Learned
@@ -72,6 +79,24 @@ def barred(learned: Learned, place: Callable[[str], Path]) -> Answers:
 def test_a_folder_that_cannot_be_written_is_told_before_hours_are_spent(barred: Answers, name: str) -> None:
     assert "file" in barred[name].error()
     assert "100%" not in barred[name].stderr
+
+
+def test_a_refinement_is_kept_elsewhere_when_the_disk_has_become_full(
+    learned: Learned, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(gem: Gem, path: Path) -> None:
+        if path.parent == tmp_path:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        save_gem(gem, path)
+
+    monkeypatch.setattr("gemheads.app.refining.save_gem", full)
+    avatar = tmp_path / "toy.gem"
+    avatar.write_bytes(learned.avatar.read_bytes())
+    words = ["refine", str(avatar), str(learned.capture), "--start", str(learned.track), "--iterations", "10"]
+    assert main([*words, "--no-perceptual"]) == ExitCode.OUTPUT
+    (kept,) = re.findall(r"kept as (\S+):", capsys.readouterr().err)
+    assert len(load_gem(Path(kept))) == len(load_gem(avatar))
+    assert avatar.read_bytes() == learned.avatar.read_bytes()
 
 
 def test_no_command_opens_a_socket(learned: Learned, place: Callable[[str], Path]) -> None:
