@@ -65,9 +65,8 @@ class SoftwareEngine:
         visible = front_to_back(self._depths, self._orders)
         sorted_ = time.perf_counter()
         columns, rows = -(-camera.width // TILE), -(-camera.height // TILE)
-        ends = np.zeros(columns * rows + 1, np.int64)
-        count_pairs(self._orders[0], visible, self._spans, columns, ends)
-        np.cumsum(ends, out=ends)
+        ends = np.empty(columns * rows + 1, np.int64)
+        count_pairs(self._depths, self._spans, columns, rows, ends)
         if ends[-1] > len(self._pairs):
             self._pairs = np.empty(int(ends[-1] * 1.3), np.int32)
         fill_pairs(self._orders[0], visible, self._spans, columns, ends, self._pairs)
@@ -85,7 +84,7 @@ class SoftwareEngine:
         signatures = (
             (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles)),
             (front_to_back, (doubles, ints)),
-            (count_pairs, (pairs, whole, ints, whole, ends)),
+            (count_pairs, (doubles, ints, whole, whole, ends)),
             (fill_pairs, (pairs, whole, ints, whole, ends, pairs)),
             (_rasterise, (pairs, ends, triple, triple, whole, whole, wide)),
         )

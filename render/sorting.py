@@ -4,7 +4,9 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-_BUCKETS = 1 << 16
+_DIGITS, _BITS = 4, 12
+"""Passes, and bits that each sorts by: 48 in all. With 16 the counters alone, 1.5 MB, take longer than the splats."""
+_MASK = np.uint64((1 << _BITS) - 1)
 
 
 def back_to_front(depths: ArrayLike) -> NDArray[np.int32]:
@@ -24,26 +26,32 @@ def front_to_back(depths, orders):
     """Write the indices of splats with depth > 0, near to far, into orders[0]; returns how many.
 
     ``depths`` float64 [N], ``orders`` int32 [2, N] (the second row is working space). Positive floats sort like their
-    bits: three stable 16-bit radix passes over the upper 48, which tells depths apart that differ by 1.5e-11 of
+    bits: stable radix passes over the upper 48, which tells depths apart that differ by 1.5e-11 of
     themselves. The 24 bits of single precision swap enough neighbours of a dense head to be seen at 78 dB.
     """
     keys = depths.view(np.uint64)
     first, second = orders[0], orders[1]
-    counts = np.zeros((3, _BUCKETS + 1), np.int64)
+    counts = np.zeros((_DIGITS, 1 << _BITS), np.int32)
     visible = 0
     for i in range(len(keys)):
         if depths[i] > 0:
-            for digit in range(3):
-                counts[digit, ((keys[i] >> np.uint64(16 * digit + 16)) & np.uint64(0xFFFF)) + np.uint64(1)] += 1
-            second[visible] = i
+            for digit in range(_DIGITS):
+                counts[digit, (keys[i] >> _shift(digit)) & _MASK] += 1
+            first[visible] = i
             visible += 1
-    for digit in range(3):
-        starts, shift = counts[digit], np.uint64(16 * digit + 16)
-        for k in range(_BUCKETS):
-            starts[k + 1] += starts[k]
-        source, target = (second, first) if digit % 2 == 0 else (first, second)
+    for digit in range(_DIGITS):
+        starts, shift = counts[digit], _shift(digit)
+        before = 0
+        for k in range(1 << _BITS):
+            starts[k], before = before, before + starts[k]
+        source, target = (first, second) if digit % 2 == 0 else (second, first)
         for j in range(visible):
-            bucket = (keys[source[j]] >> shift) & np.uint64(0xFFFF)
+            bucket = (keys[source[j]] >> shift) & _MASK
             target[starts[bucket]] = source[j]
             starts[bucket] += 1
     return visible
+
+
+@numba.njit(cache=True, inline="always")
+def _shift(digit):
+    return np.uint64(64 - _BITS * (_DIGITS - digit))

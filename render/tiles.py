@@ -18,17 +18,30 @@ _F = np.float32
 
 
 @numba.njit(cache=True)
-def count_pairs(order, visible, spans, columns, ends):
-    """Add to ``ends`` [tiles + 1], one place late, how many of ``order``'s first ``visible`` splats touch each tile.
+def count_pairs(depths, spans, columns, rows, ends):
+    """Write into ``ends`` int64 [tiles + 1] where the pairs of each tile begin, after those of the tile before; the last
+    is how many there are.
 
-    ``spans`` int32 [N, 4]: first and last column, first and last row of tiles of each splat. The running sum of
-    ``ends`` then says where each tile's pairs begin.
+    ``spans`` int32 [N, 4]: first and last column, first and last row of tiles of each splat; splats of depth 0 have none.
     """
-    for j in range(visible):
-        left, right, top, bottom = spans[order[j]]
-        for row in range(top, bottom + 1):
-            for column in range(left, right + 1):
-                ends[row * columns + column + 1] += 1
+    # how many more there are than in the tile to the left and the one above (Crow 1984): four numbers a splat
+    more = np.zeros((rows + 1, columns + 1), np.int64)
+    for i in range(len(depths)):
+        if depths[i] > 0:
+            left, right, top, bottom = spans[i]
+            more[top, left] += 1
+            more[top, right + 1] -= 1
+            more[bottom + 1, left] -= 1
+            more[bottom + 1, right + 1] += 1
+    above = np.zeros(columns, np.int64)
+    ends[0] = 0
+    for row in range(rows):
+        here = 0
+        for column in range(columns):
+            here += more[row, column]
+            above[column] += here
+            tile = row * columns + column
+            ends[tile + 1] = ends[tile] + above[column]
 
 
 @numba.njit(cache=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from gemheads.render.projection import ALPHA_MIN, TRANSMITTANCE_MIN
-from gemheads.render.tiles import TILE, lit_rows, reached_rows, write_reach
+from gemheads.render.tiles import TILE, count_pairs, fill_pairs, lit_rows, reached_rows, write_reach
 
 OPACITY = 0.9
 REACH = np.float32(np.sqrt(2 * np.log(OPACITY / ALPHA_MIN)))
@@ -51,3 +51,20 @@ def test_rows_without_light_are_left_out_at_both_ends() -> None:
     state[3, 5] = state[7, 0] = TRANSMITTANCE_MIN
     assert lit_rows(state, 0, TILE - 1) == (3, 7)
     assert lit_rows(state, 4, TILE - 1) == (7, 7)
+
+
+def test_every_tile_gets_the_splats_that_touch_it_in_their_order() -> None:
+    rng = np.random.default_rng(1)
+    columns, rows, count = 7, 5, 200
+    spans = np.sort(rng.integers(0, (columns, columns, rows, rows), (count, 4), dtype=np.int32).reshape(-1, 2, 2))
+    depths = np.where(rng.random(count) < 0.2, 0, rng.uniform(1, 2, count))
+    order = rng.permutation(np.flatnonzero(depths)).astype(np.int32)
+    ends = np.empty(columns * rows + 1, np.int64)
+    count_pairs(depths, spans.reshape(-1, 4), columns, rows, ends)
+    pairs = np.empty(ends[-1], np.int32)
+    fill_pairs(order, len(order), spans.reshape(-1, 4), columns, ends, pairs)
+    for tile in range(columns * rows):
+        row, column = divmod(tile, columns)
+        (left, right), (top, bottom) = spans[order, 0].T, spans[order, 1].T
+        touching = order[(left <= column) & (column <= right) & (top <= row) & (row <= bottom)]
+        np.testing.assert_array_equal(pairs[ends[tile] : ends[tile + 1]], touching)
