@@ -1,5 +1,6 @@
 """Other people's avatars that want to do harm, or are broken: one error each, soon, with little memory."""
 
+import gzip
 import json
 import tracemalloc
 from collections.abc import Callable
@@ -131,6 +132,8 @@ def test_vertices_and_shapes_beyond_all_bounds(
         (lambda glb: glb[:4] + b"\1" + glb[5:], "version 1"),
         (lambda glb: glb[:12] + b"\xff\xff\xff\xff" + glb[16:], "description claims"),
         (lambda glb: glb.replace(b"BIN\0", b"EVIL"), "buffer is missing"),
+        (lambda glb: gzip.compress(glb + bytes(2**24)), "no binary glTF"),  # 16 MiB in 16 KiB, never unpacked
+        (lambda glb: glb.replace(b"BIN\0", b"BIN\0" + gzip.compress(bytes(2**24))), "told and"),
     ],
 )
 def test_bytes(lam: Any, tmp_path: Path, edit: Callable[[bytes], bytes], said: str) -> None:

@@ -25,9 +25,14 @@ if libc.prctl(22, 2, ctypes.c_char_p(program), 0, 0) != 0:
 REFUSED = 77
 
 
+def can_seal() -> bool:
+    """Whether a program can be sealed on this system."""
+    return sys.platform.startswith("linux") and platform.machine() in SOCKET_CALL
+
+
 def seal() -> str:
     """What such a program begins with; those that it starts inherit it. Skips where no system call can be forbidden."""
-    if not sys.platform.startswith("linux") or platform.machine() not in SOCKET_CALL:
+    if not can_seal():
         pytest.skip("no system call can be forbidden here (Linux on x86_64 or aarch64 only)")
     return _SEAL.format(number=SOCKET_CALL[platform.machine()])
 
