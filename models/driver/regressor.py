@@ -43,7 +43,7 @@ class Regressor:
         wanted = {FEATURES_INPUT: ([1, DIMENSION], "tensor(float)"), ROTATION_INPUT: ([1, 3], "tensor(float)")}
         if inputs != wanted:
             raise RegressorError(
-                f"the avatar's regressor takes {inputs}, this version gives {wanted}: train it again"
+                f"the avatar's regressor takes {_briefly(inputs)}, this version gives {wanted}: train it again"
                 " (gemheads train-regressor)"
             )
         made_for = self._session.get_modelmeta().custom_metadata_map.get(VERSION_KEY, str(FEATURE_VERSION))
@@ -56,7 +56,7 @@ class Regressor:
         shape, kind = outputs.get(OUTPUT, ([], ""))
         fixed = len(shape) == 2 and shape[0] == 1 and isinstance(shape[1], int) and shape[1] > 0
         if len(outputs) != 1 or kind != "tensor(float)" or not fixed:
-            raise RegressorError(f"the avatar's regressor gives {outputs} instead of one {OUTPUT} [1, n]")
+            raise RegressorError(f"the avatar's regressor gives {_briefly(outputs)} instead of one {OUTPUT} [1, n]")
         if coefficients is not None and shape[1] != coefficients:
             raise RegressorError(f"the avatar has {coefficients} coefficients, its regressor gives {shape[1]}")
         self.coefficients: int = shape[1]
@@ -93,3 +93,9 @@ class Regressor:
         except Exception:  # a bound above the other; onnxruntime raises a dozen unrelated classes
             return None
         return answer if answer.shape == (self.coefficients,) and np.isfinite(answer).all() else None
+
+
+def _briefly(values: object) -> str:
+    """On one line of at most 200 characters: a graph may call its values by the text of a book."""
+    line = " ".join(str(values).split())
+    return line if len(line) <= 200 else f"{line[:197]}..."

@@ -133,6 +133,18 @@ def test_a_failure_later_on_gives_the_last_good_answer(monkeypatch: pytest.Monke
     assert regressor.failures == 1
 
 
+@pytest.mark.parametrize("field", ["input", "output"])
+def test_names_as_long_as_a_book(field: str) -> None:
+    """Found by fuzzing: messages repeated them."""
+    book = model(identity())
+    getattr(book.graph, field)[0].name = "x" * 50_000
+    if field == "input":
+        book.graph.node[0].input[0] = "x" * 50_000
+    else:
+        book.graph.node[-1].output[0] = "x" * 50_000
+    refused(book, "takes|instead of one")
+
+
 def test_a_sparse_constant_of_gigabytes() -> None:
     values = numpy_helper.from_array(np.ones(1, np.float32), "v")
     places = numpy_helper.from_array(np.zeros(1, np.int64), "i")
