@@ -12,6 +12,8 @@ from pathlib import Path
 
 STALLED = 30.0
 """Seconds of the wall clock without a word after which a reader hangs; short hangs the worker tells itself."""
+BEGINS = 180.0
+"""Seconds until its first word: it imports all that reads, on a machine that may be busy."""
 _ROOM = Path(__file__).resolve().parents[1]
 
 
@@ -45,7 +47,7 @@ def _run(name: str, seed: int, first: int, count: int, wrong: dict[int, str], un
         reader = threading.Thread(target=_listen, args=(process, lines), daemon=True)
         reader.start()
         try:
-            while line := lines.get(timeout=STALLED):
+            while line := lines.get(timeout=STALLED if index >= first else BEGINS):
                 word, *rest = line.split(maxsplit=2)
                 if word == "DONE":
                     return first + count
