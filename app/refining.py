@@ -1,5 +1,7 @@
 """``gemheads refine``: the bases of an avatar, changed until its pictures are those of a capture."""
 
+import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -21,6 +23,7 @@ from .progress import ProgressBar
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
+    from ..models.train.fit import Start
     from ..models.train.perceptual import Perceptual
     from ..models.train.refine import Refinement
 
@@ -46,11 +49,12 @@ class RefineWish:
 def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> ExitCode:
     """Refine, save the better avatar, and say what came of it. Raises CommandError.
 
-    Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED.
+    Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED. Killed, the same goes on where it was.
     """
     try:
         from ..models.train.refine import RefineEffort, refine
         from ..models.train.train_avatar import default_device
+        from ..models.train.unfinished import Unfinished
     except ImportError as error:
         raise InputError(f"refining needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if not LEAST <= wish.iterations <= MOST:
@@ -68,12 +72,14 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
     try:
         with ProgressBar() as bar:
             begin = training_moments(cast, footage, wish.start, bar)
-            answer = refine(cast.gem, footage, begin, effort, network, bar.reach, default_device())
+            unfinished = Unfinished(out.with_name(f".{out.name}.unfinished"), _identity(cast, footage, begin, wish))
+            answer = refine(cast.gem, footage, begin, effort, network, bar.reach, default_device(), unfinished)
     except (CaptureError, FloatingPointError) as error:
         raise InputError(str(error)) from error
     except ValueError as error:
         raise InputError(f"{avatar}: cannot be refined on {capture}: {error}") from error
     _save(answer, cast, footage, out)
+    unfinished.remove()
     if wish.moments is not None:
         poses = {time: Pose(m.coefficients, m.pose.turn, translation=m.pose.move) for time, m in answer.moments.items()}
         save_moments(answer.gem.name, file_sha256(out), poses, wish.moments)
@@ -93,6 +99,18 @@ def _perceptual() -> "Perceptual":
         return Perceptual("vgg", default_device())
     except WeightsMissing as error:
         raise InputError(f"{error}; --no-perceptual refines without the VGG term") from error
+
+
+def _identity(cast: Avatar, footage: Capture, begin: "Mapping[int, Start]", wish: RefineWish) -> str:
+    """Tells apart whatever would be refined into something else."""
+    effort = wish.iterations, wish.coefficients, wish.colors, wish.perceptual, wish.seed
+    known = hashlib.sha256(f"{cast.sha256} {effort}".encode())
+    for shot in (*footage.train, *footage.val):
+        looked = shot.picture.stat()
+        known.update(f"{shot.picture.name} {looked.st_size} {looked.st_mtime_ns} {shot.camera}".encode())
+    for timestep, moment in sorted(begin.items()):
+        known.update(f"{timestep} {moment.pose}".encode() + moment.coefficients.tobytes())
+    return known.hexdigest()
 
 
 def _save(answer: "Refinement", cast: Avatar, footage: Capture, out: Path) -> None:

@@ -1,6 +1,5 @@
 """An avatar whose bases can be changed: what refinement works on, and the way back to an avatar."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +11,8 @@ from ...render.diff.tensors import RawTensors
 from ..gem import CHANNELS, MODALITIES, Basis, Gem
 
 Floats = NDArray[np.floating]
+State = list[Tensor]
+"""Everything of a FreeGem: what is free, and its maps."""
 
 SIGMA_FLOOR = 1e-4
 """A coefficient's spread is at least this share of its modality's largest: none may be 0."""
@@ -103,19 +104,18 @@ class FreeGem:
         )
         return gem, np.concatenate(parts, 1).astype(np.float32)
 
-    def state(self) -> list[Tensor | Mapping[str, Floats]]:
+    def state(self) -> State:
         """A copy of everything, to be taken back by ``restore``."""
-        return [*(tensor.detach().clone() for tensor in self.tensors()), dict(self.maps)]
+        maps = (torch.tensor(self.maps[name]) for name in MODALITIES)
+        return [*(tensor.detach().clone() for tensor in self.tensors()), *maps]
 
     @torch.no_grad()
-    def restore(self, state: list[Tensor | Mapping[str, Floats]]) -> None:
+    def restore(self, state: State) -> None:
         """As it was when ``state`` was taken."""
-        *values, maps = state
-        for tensor, value in zip(self.tensors(), values, strict=True):
-            assert isinstance(value, Tensor)
+        free = self.tensors()
+        for tensor, value in zip(free, state[: len(free)], strict=True):
             tensor.copy_(value)
-        assert isinstance(maps, dict)
-        self.maps = dict(maps)
+        self.maps = {name: value.numpy() for name, value in zip(MODALITIES, state[len(free) :], strict=True)}
 
     def _carried(self, coefficients: Floats) -> Floats:
         """Coefficients [..., coefficients] of the beginning in the units of now."""

@@ -6,6 +6,7 @@ changing, and the avatar is looked at by cameras that nothing was learned from: 
 
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import torch
@@ -22,6 +23,7 @@ from .freegem import FreeGem
 from .losses import photometric, psnr
 from .perceptual import Perceptual
 from .torchgem import pose_head
+from .unfinished import Course, Unfinished
 from .views import View, views_of
 
 Progress = Callable[[str, int, int], None]
@@ -102,6 +104,7 @@ def refine(
     perceptual: Perceptual | None = None,
     progress: Progress = lambda stage, done, total: None,
     device: torch.device | str = "cpu",
+    unfinished: Unfinished | None = None,
 ) -> Refinement:
     """Equation 2 on a capture's training pictures, for bases, means, and if wanted coefficients and colours.
 
@@ -113,6 +116,7 @@ def refine(
         perceptual: equation 2's network; None leaves that term out.
         progress: told the stage, steps done and steps in all.
         device: where it is computed.
+        unfinished: where it is kept how far it is, each time it is judged; what is there is gone on with.
 
     Raises:
         ValueError: where no training picture has its moment, or coefficients do not belong to the avatar.
@@ -120,7 +124,7 @@ def refine(
         CaptureError: where the capture changed since it was opened.
     """
     run = _Run(gem, capture, moments, effort, perceptual, torch.device(device))
-    return run.refined(progress)
+    return run.refined(progress, unfinished)
 
 
 class _Run:
@@ -150,43 +154,59 @@ class _Run:
         self._pace = 1.0
         self._optimizer = self._adam()
 
-    def refined(self, progress: Progress) -> Refinement:
+    def refined(self, progress: Progress, unfinished: Unfinished | None) -> Refinement:
         effort, interval = self._effort, min(self._effort.interval, max(1, self._effort.iterations // 10))
-        before = self.quality()
-        best, kept, done = before, self.free.state(), 0
-        curve, losses, stopped = [(0, before)], [], False
-
-        def judge() -> None:
-            nonlocal best, kept
-            self.free.orthonormalise()
-            curve.append((done, self.quality()))
-            if curve[-1][1] > best:
-                best, kept = curve[-1][1], self.free.state()
-                return
-            self.free.restore(kept)
-            self._pace *= SLOWER
-            self._optimizer = self._adam()
-
+        course, stopped = self._begun(unfinished), False
         try:
-            for step in range(effort.iterations):
-                losses.append(self._step(step))
-                done = step + 1
-                progress("refine", done, effort.iterations)
-                if done % interval == 0 or done == effort.iterations:
-                    judge()
+            for step in range(course.done, effort.iterations):
+                course.losses.append(self._step(step))
+                course.done = step + 1
+                progress("refine", course.done, effort.iterations)
+                if course.done % interval == 0 or course.done == effort.iterations:
+                    self._judge(course)
+                    if unfinished is not None:
+                        unfinished.write(self._kept(course))
         except KeyboardInterrupt:
             stopped = True
-            if curve[-1][0] < done:
-                judge()
+            if course.curve[-1][0] < course.done:
+                self._judge(course)
         answer, found = self._gem, self.free.began
-        if best > before:
-            self.free.restore(kept)
+        if course.best > course.before:
+            self.free.restore(course.kept)
             answer, found = self.free.finished()
         moments = {
             timestep: Start(found[index].astype(np.float32), self._moments[timestep].pose)
             for timestep, index in self._place.items()
         }
-        return Refinement(answer, moments, before, best, tuple(curve), tuple(losses), done, stopped)
+        curve, losses = tuple(course.curve), tuple(course.losses)
+        return Refinement(answer, moments, course.before, course.best, curve, losses, course.done, stopped)
+
+    def _judge(self, course: Course) -> None:
+        self.free.orthonormalise()
+        course.curve.append((course.done, self.quality()))
+        if course.curve[-1][1] > course.best:
+            course.best, course.kept = course.curve[-1][1], self.free.state()
+            return
+        self.free.restore(course.kept)
+        self._pace *= SLOWER
+        self._optimizer = self._adam()
+
+    def _kept(self, course: Course) -> dict[str, Any]:
+        """All that the next step depends on."""
+        adam = self._optimizer.state_dict()["state"]
+        return {"course": vars(course), "pace": self._pace, "free": self.free.state(), "adam": adam}
+
+    def _begun(self, unfinished: Unfinished | None) -> Course:
+        """Where it was stopped, or the beginning."""
+        kept = None if unfinished is None else unfinished.read()
+        if kept is None:
+            before = self.quality()
+            return Course(before, before, self.free.state(), curve=[(0, before)])
+        self._pace = kept["pace"]
+        self.free.restore(kept["free"])
+        groups = self._optimizer.state_dict()["param_groups"]
+        self._optimizer.load_state_dict({"state": kept["adam"], "param_groups": groups})
+        return Course(**kept["course"])
 
     @torch.no_grad()
     def quality(self) -> float:

@@ -1,6 +1,7 @@
 """Refinement: what it keeps through a QR, what it gains, and that it gives back the better one."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from gemheads.models.train.fit import HeadPose, Start  # noqa: E402
 from gemheads.models.train.freegem import FreeGem  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from gemheads.models.train.refine import RefineEffort, refine  # noqa: E402
+from gemheads.models.train.unfinished import Unfinished  # noqa: E402
 from gemheads.render.software import SoftwareEngine  # noqa: E402
 
 Toy = tuple[Capture, Gem, dict[int, Start]]
@@ -195,3 +197,43 @@ def test_moments_that_do_not_fit_are_refused(toy: Toy, spoil: Callable[[dict], d
     capture, gem, moments = toy
     with pytest.raises(ValueError, match=said):
         refine(gem, capture, spoil(moments), RefineEffort(iterations=1))
+
+
+@pytest.mark.parametrize("last", [0, 4, 15, 30])
+def test_killed_it_goes_on_to_the_same(toy: Toy, tmp_path: Path, last: int) -> None:
+    """After this many steps; judged, and kept, after every third."""
+    capture, gem, moments = toy
+    effort, steps = RefineEffort(iterations=30, interval=3), []
+    unfinished = Unfinished(tmp_path / "unfinished", "this")
+
+    class Killed(BaseException):
+        """As little is done after it as after a kill."""
+
+    def kill(stage: str, done: int, total: int) -> None:
+        if done > last:
+            raise Killed
+
+    def count(stage: str, done: int, total: int) -> None:
+        steps.append(done)
+
+    with suppress(Killed):
+        refine(gem, capture, moments, effort, progress=kill, unfinished=unfinished)
+    went_on = refine(gem, capture, moments, effort, progress=count, unfinished=unfinished)
+    whole = refine(gem, capture, moments, effort)
+    assert steps == list(range(last // 3 * 3 + 1, 31))
+    assert (went_on.losses, went_on.curve, went_on.after) == (whole.losses, whole.curve, whole.after)
+    for name in MODALITIES:
+        np.testing.assert_array_equal(went_on.gem.bases[name].rows, whole.gem.bases[name].rows)
+    np.testing.assert_array_equal(stacked(dict(went_on.moments)), stacked(dict(whole.moments)))
+
+
+def test_what_is_kept_of_another_one_or_broken_is_not_gone_on_with(toy: Toy, tmp_path: Path) -> None:
+    capture, gem, moments = toy
+    path = tmp_path / "unfinished"
+    refine(gem, capture, moments, RefineEffort(iterations=2), unfinished=Unfinished(path, "this"))
+    assert Unfinished(path, "this").read() is not None
+    assert Unfinished(path, "that").read() is None
+    path.write_bytes(path.read_bytes()[:-100])
+    assert Unfinished(path, "this").read() is None
+    Unfinished(path, "this").remove()
+    assert not path.exists()
