@@ -1,5 +1,6 @@
 """Where results go: looked at before hours are spent on them, and elsewhere if there is no room in the end."""
 
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -29,9 +30,21 @@ def save_learned(save: Callable[[Path], None], out: Path) -> None:
         save(out)
     except OSError as error:
         what = f"{out}: cannot be written ({error.strerror})"
-        try:
-            kept = Path(tempfile.mkdtemp(prefix="gemheads-")) / out.name
-            save(kept)
-        except OSError:
+        kept = _saved_elsewhere(save, out.name)
+        if kept is None:
             raise OutputError(f"{what}; check the folder and the space, and run again") from error
         raise OutputError(f"{what}; it is whole, and kept as {kept}: free some space and move it there") from error
+
+
+def _saved_elsewhere(save: Callable[[Path], None], name: str) -> Path | None:
+    """Where; None where there is no room either."""
+    try:
+        folder = Path(tempfile.mkdtemp(prefix="gemheads-"))
+    except OSError:
+        return None
+    try:
+        save(folder / name)
+    except OSError:
+        shutil.rmtree(folder, ignore_errors=True)
+        return None
+    return folder / name

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.wholefile import write_whole
-from .errors import InputError, OutputError, brief
+from .errors import InputError, brief
 from .performance import Pose
+from .places import save_learned
 from .state import Phase
 from .tensorfile import read_json, read_ratio, read_tensor_file
 
@@ -75,11 +76,13 @@ def save_track(track: Track, path: Path) -> None:
         "time_base": str(track.time_base),
         "rate": str(track.rate),
     }
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, [save(tensors, {FORMAT: json.dumps(about, sort_keys=True)})])
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder") from error
+    content = save(tensors, {FORMAT: json.dumps(about, sort_keys=True)})
+
+    def write(place: Path) -> None:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(place, [content])
+
+    save_learned(write, path)
 
 
 def load_track(path: Path) -> Track:

@@ -116,7 +116,12 @@ def test_a_missing_track_and_a_folder_are_told(tmp_path: Path) -> None:
             load_track(path)
 
 
-def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+def test_a_place_that_cannot_be_written_is_told_and_nothing_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="cannot be written"):
+    with pytest.raises(OutputError, match=r"cannot be written .* kept as"):
         save_track(replace(TRACK), tmp_path / "file" / "t")
+    (kept,) = tmp_path.glob("*/t")
+    assert load_track(kept).frame_count == TRACK.frame_count
