@@ -12,10 +12,10 @@ from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
 from .sorting import front_to_back
-from .tiles import TILE, count_pairs, fill_pairs, lit_rows, power_of_two, reached_rows, tile_of, write_reach
+from .tiles import LOG256_E, TILE, count_pairs, fill_pairs, lit_rows, power_of_256, reached_rows, tile_of, write_reach
 
 _F = np.float32
-_LOG2_E = _F(1.4426950408889634)
+_LOG256_E = _F(LOG256_E)
 _RUN = 16
 """So many splats are drawn before a tile asks again through which of its rows light still gets."""
 _RECORD = 10
@@ -110,7 +110,7 @@ def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
 
 @numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
 def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
-    """Activation and EWA projection. A record: centre x y, conic a b c in units of log2,
+    """Activation and EWA projection. A record: centre x y, conic a b c in powers of 256,
     opacity, and what ``reached_rows`` needs. A span: first and last column and row of tiles. Depth 0 is out."""
     fx, fy, cx, cy, width, height = lens[0], lens[1], lens[2], lens[3], lens[4], lens[5]
     for i in numba.prange(len(positions)):
@@ -185,7 +185,7 @@ def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, sp
             continue
         r = records[i]
         r[0], r[1] = centre_x, centre_y
-        r[2], r[3], r[4] = -_F(0.5) * _LOG2_E * c / det, _LOG2_E * b / det, -_F(0.5) * _LOG2_E * a / det
+        r[2], r[3], r[4] = -_F(0.5) * _LOG256_E * c / det, _LOG256_E * b / det, -_F(0.5) * _LOG256_E * a / det
         r[5] = opacity
         write_reach(reach, a, b, c, det, r[6:])
         spans[i, 0] = int(max(centre_x - half_x, _F(0)) / TILE)
@@ -235,7 +235,7 @@ def _rasterise(pairs, ends, records, colors, columns, rows, image):
                     e0, e1 = c * dy * dy, b * dy
                     for x in range(TILE):
                         dx = dx0 + _F(x)
-                        alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
+                        alpha = min(opacity * power_of_256(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
                         alpha = alpha if alpha >= ALPHA_MIN else _F(0)
                         weight = alpha * state[y, x]
                         state[y, x] -= weight

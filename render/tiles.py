@@ -7,8 +7,8 @@ from .projection import TRANSMITTANCE_MIN
 
 TILE = 16
 """Side of a tile in pixels; tiles of 8 take 2.5 to 4 times as long."""
-POWER_LEAST = np.float32(-8)
-"""2^-8 < ALPHA_MIN: whatever is weaker is skipped anyway."""
+LOG256_E = 1 / np.log(256)
+"""Exponents are kept in powers of 256: that is what ``power_of_256`` takes, and 1/256 < ALPHA_MIN is skipped anyway."""
 _STRIDE = 7919
 _MARGIN = np.float32(0.01)
 """Pixels that rounding may take off the edge of a splat."""
@@ -128,10 +128,10 @@ def lit_rows(state, first, last):
 
 
 @numba.njit(cache=True, inline="always")
-def power_of_two(power):
-    """2^power for power <= 0, not less than 2^-8. Minimax of degree 5 for the eighth root, then to its 8th: relative
-    error 7e-7, no table, so that a row of pixels is one run of vector instructions."""
-    t = max(power, POWER_LEAST) * _F(0.125)
+def power_of_256(power):
+    """256^power for power <= 0, not less than 1/256. Minimax of degree 5 for the eighth root, 2^power, then to its 8th:
+    relative error 7e-7, no table, so that a row of pixels is one run of vector instructions."""
+    t = max(power, _F(-1))
     root = _F(1) + t * (
         _F(0.69314372) + t * (_F(0.24018014) + t * (_F(0.05529736) + t * (_F(0.0092058) + t * _F(0.0009449))))
     )

@@ -4,7 +4,7 @@ import numba
 import numpy as np
 
 from ..projection import ALPHA_MAX, ALPHA_MIN, TRANSMITTANCE_MIN
-from ..tiles import TILE, aligned, lit_rows, power_of_two, reached_rows, tile_of
+from ..tiles import TILE, aligned, lit_rows, power_of_256, reached_rows, tile_of
 
 _F = np.float32
 _FAST = {"contract", "reassoc", "arcp", "nsz"}
@@ -13,13 +13,19 @@ _RUN = 16
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_FAST, error_model="numpy")
-def blend(pairs, ends, centers, shapes, colors, columns, rows, image, bands, lights):
-    """Write the picture [H, W, 4], premultiplied RGBA, and what ``blend_back`` needs: of every pair the first row that
-    it may have changed and the one after the last (``bands`` uint8 [P, 2], equal where there is none), and for every
-    pixel of every tile the light that is left and the place of the last pair that took some (``lights`` float32
-    [tiles, TILE, 2 TILE])."""
+def blend(pairs, ends, centers, shapes, colors, ground, columns, rows, image, bands, lights):
+    """Write the picture, and what ``blend_back`` needs.
+
+    Args:
+        ground: float32 RGB behind the splats, [H W, 3] or [1, 3] for all pixels.
+        image: [H, W, 3] RGB, or [H, W, 4] with alpha: premultiplied if the ground is black.
+        bands: uint8 [P, 2], the first row of the tile that each pair may have changed, and the one after the last;
+            equal where there is none.
+        lights: float32 [tiles, TILE, 2 TILE], the light that is left in every pixel, and the place of the last pair
+            that took some.
+    """
     height, width = image.shape[:2]
-    tiles = columns * rows
+    tiles, own = columns * rows, int(len(ground) > 1)
     for turn in numba.prange(tiles):
         tile = tile_of(turn, tiles)
         x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
@@ -57,9 +63,9 @@ def blend(pairs, ends, centers, shapes, colors, columns, rows, image, bands, lig
                     for x in range(TILE):
                         dx = _F(x) - cx
                         light = state[y, x]
-                        alpha = min(opacity * power_of_two(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
-                        drawn = (alpha >= ALPHA_MIN) & (light >= TRANSMITTANCE_MIN)
-                        weight = alpha * light if drawn else _F(0)
+                        peak = opacity * power_of_256(e0 + dx * (e1 + a * dx))
+                        drawn = (peak >= ALPHA_MIN) & (light >= TRANSMITTANCE_MIN)
+                        weight = (min(peak, ALPHA_MAX) if drawn else _F(0)) * light
                         state[y, x] = light - weight
                         state[y, TILE + x] = place if drawn else state[y, TILE + x]
                         state[y, 2 * TILE + x] += weight * r
@@ -70,22 +76,26 @@ def blend(pairs, ends, centers, shapes, colors, columns, rows, image, bands, lig
                 lights[tile, y, x] = state[y, x]
         for y in range(min(TILE, height - y0)):
             for x in range(min(TILE, width - x0)):
-                image[y0 + y, x0 + x, 0] = state[y, 2 * TILE + x]
-                image[y0 + y, x0 + x, 1] = state[y, 3 * TILE + x]
-                image[y0 + y, x0 + x, 2] = state[y, 4 * TILE + x]
-                image[y0 + y, x0 + x, 3] = _F(1) - state[y, x]
+                under = ground[((y0 + y) * width + x0 + x) * own]
+                for k in range(3):
+                    image[y0 + y, x0 + x, k] = state[y, (2 + k) * TILE + x] + state[y, x] * under[k]
+                if image.shape[2] == 4:
+                    image[y0 + y, x0 + x, 3] = _F(1) - state[y, x]
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_FAST, error_model="numpy")
-def blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights, d_image, sums):
-    """Write into ``sums`` [P, SUMS] (see ``projecting.SUMS``) what every pair adds to its splat's gradients.
+def blend_back(
+    pairs, ends, centers, shapes, colors, ground, spans, firsts, columns, rows, bands, lights, d_image, d_ground, sums
+):
+    """Write into ``sums`` [P, SUMS] (see ``projecting.SUMS``) what every pair adds to its splat's gradients, and into
+    ``d_ground`` the ground's: [H W, 3] where every pixel has its own, else what every tile adds to it, [tiles, 3].
 
     Back to front: the light in front of a splat is that behind it over 1 - alpha. What lies behind is carried along as
-    one number a pixel: its colour under full light times the picture's gradient; transparent ground counts as colour in
+    one number a pixel: its colour under full light times the picture's gradient. Transparent ground counts as colour in
     alpha.
     """
     height, width = d_image.shape[:2]
-    tiles = columns * rows
+    tiles, own = columns * rows, int(len(ground) > 1)
     for turn in numba.prange(tiles):
         tile = tile_of(turn, tiles)
         column, row = tile % columns, tile // columns
@@ -96,13 +106,24 @@ def blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, row
         for y in range(TILE):
             for x in range(TILE):
                 j = y * TILE + x
-                inside = x0 + x < width and y0 + y < height
-                state[0, j] = lights[tile, y, x]
-                state[1, j] = -d_image[y0 + y, x0 + x, 3] if inside else _F(0)
-                state[2, j] = lights[tile, y, TILE + x] if inside else _F(-1)
-                for k in range(3):
-                    state[3 + k, j] = d_image[y0 + y, x0 + x, k] if inside else _F(0)
-                state[6, j], state[7, j] = _F(x), _F(y)
+                state[0, j], state[1, j], state[2, j], state[3, j], state[4, j], state[5, j] = 0, 0, -1, 0, 0, 0
+                state[6, j], state[7, j] = x, y
+        red, green, blue = 0.0, 0.0, 0.0
+        for y in range(min(TILE, height - y0)):
+            for x in range(min(TILE, width - x0)):
+                j, pixel, given = y * TILE + x, (y0 + y) * width + x0 + x, d_image[y0 + y, x0 + x]
+                under, light = ground[pixel * own], lights[tile, y, x]
+                state[0, j], state[2, j] = light, lights[tile, y, TILE + x]
+                state[1, j] = given[0] * under[0] + given[1] * under[1] + given[2] * under[2]
+                if len(given) == 4:
+                    state[1, j] -= given[3]
+                state[3, j], state[4, j], state[5, j] = given[0], given[1], given[2]
+                if own:
+                    for k in range(3):
+                        d_ground[pixel, k] = light * given[k]
+                red, green, blue = red + light * given[0], green + light * given[1], blue + light * given[2]
+        if not own:
+            d_ground[tile, 0], d_ground[tile, 1], d_ground[tile, 2] = red, green, blue
         start = ends[tile]
         for p in range(ends[tile + 1] - 1, start - 1, -1):
             i = pairs[p]
@@ -116,28 +137,27 @@ def blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, row
             # unsigned: an index that might count from the end would keep the compiler from taking pixels together
             for j in range(np.uintp(bands[p, 0]) * np.uintp(TILE), np.uintp(bands[p, 1]) * np.uintp(TILE)):
                 dx, dy = state[6, j] - cx, state[7, j] - cy
-                shape = power_of_two(dx * (a * dx + b * dy) + c * dy * dy)
-                peak = opacity * shape
+                xx, xy, yy = dx * dx, dx * dy, dy * dy
+                peak = opacity * power_of_256(a * xx + b * xy + c * yy)
                 drawn = (peak >= ALPHA_MIN) & (place <= state[2, j])
                 alpha = min(peak, ALPHA_MAX) if drawn else _F(0)
                 light = state[0, j] / (_F(1) - alpha)
                 v0, v1, v2 = state[3, j], state[4, j], state[5, j]
                 behind = state[1, j]
-                more = r * v0 + g * v1 + bl * v2 - behind
-                q = shape * light * more if drawn & (peak <= ALPHA_MAX) else _F(0)
+                more = r * v0 - behind + g * v1 + bl * v2
+                weight = alpha * light
+                q = weight * more if peak <= ALPHA_MAX else _F(0)
                 state[0, j] = light
                 state[1, j] = behind + alpha * more
-                weight = alpha * light
                 d_r += weight * v0
                 d_g += weight * v1
                 d_b += weight * v2
-                qx, qy = q * dx, q * dy
                 q00 += q
-                q10 += qx
-                q01 += qy
-                q20 += qx * dx
-                q11 += qx * dy
-                q02 += qy * dy
+                q10 += q * dx
+                q01 += q * dy
+                q20 += q * xx
+                q11 += q * xy
+                q02 += q * yy
             sums[slot, 0], sums[slot, 1], sums[slot, 2] = q00, q10, q01
             sums[slot, 3], sums[slot, 4], sums[slot, 5] = q20, q11, q02
             sums[slot, 6], sums[slot, 7], sums[slot, 8] = d_r, d_g, d_b

@@ -14,18 +14,28 @@ from .projecting import SHAPE, SHARES, SUMS, project, project_back
 from .tensors import GaussianTensors
 
 
-def render(gaussians: GaussianTensors, camera: Camera, world_to_camera: Tensor) -> Tensor:
-    """[H, W, 4] float32 premultiplied RGBA of float32 splats; ``world_to_camera`` [4, 4] of any precision."""
+def render(
+    gaussians: GaussianTensors, camera: Camera, world_to_camera: Tensor, background: Tensor | None = None
+) -> Tensor:
+    """[H, W, 4] float32 premultiplied RGBA of float32 splats, or [H, W, 3] RGB on ``background``, which is [3] or
+    [H, W, 3]; ``world_to_camera`` is [4, 4]. Both may be of any precision."""
     lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float64)
-    return _Splatting.apply(*vars(gaussians).values(), world_to_camera, lens)  # type: ignore[no-any-return]
+    if background is not None:
+        background = background.to(gaussians.positions)
+        if background.numel() != 3:
+            background = background.expand(camera.height, camera.width, 3)
+        background = background.reshape(-1, 3)
+    # laid by the kernels: in torch that takes as long as a quarter of all the rest
+    return _Splatting.apply(*vars(gaussians).values(), world_to_camera, background, lens)  # type: ignore[no-any-return]
 
 
 class _Splatting(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, *inputs: Any) -> Tensor:
-        *tensors, world_to_camera, lens = inputs
+        *tensors, world_to_camera, background, lens = inputs
         positions, wxyz, scales, opacities, colors = (tensor.detach().contiguous().numpy() for tensor in tensors)
         matrix = world_to_camera.detach().to(torch.float64).contiguous().numpy()
+        ground = np.zeros((1, 3), np.float32) if background is None else background.detach().contiguous().numpy()
         count, width, height = len(positions), int(lens[4]), int(lens[5])
         centers, shapes = np.empty((count, 2)), np.empty((count, SHAPE), np.float32)
         spans, depths, firsts = np.empty((count, 4), np.int32), np.empty(count), np.empty(count + 1, np.int64)
@@ -38,29 +48,30 @@ class _Splatting(torch.autograd.Function):
         count_pairs(depths, spans, columns, rows, ends)
         pairs = np.empty(int(ends[-1]), np.int32)
         fill_pairs(orders[0], visible, spans, columns, ends, pairs)
-        image = torch.empty(height, width, 4)
+        image = torch.empty(height, width, 4 if background is None else 3)
         bands = np.empty((len(pairs), 2), np.uint8)
         lights = np.empty((columns * rows, TILE, 2 * TILE), np.float32)
-        blend(pairs, ends, centers, shapes, colors, columns, rows, image.numpy(), bands, lights)
-        ctx.save_for_backward(*tensors, world_to_camera)
-        ctx.drawn = (pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights)
+        blend(pairs, ends, centers, shapes, colors, ground, columns, rows, image.numpy(), bands, lights)
+        ctx.save_for_backward(*tensors, world_to_camera, background)
+        ctx.drawn = (pairs, ends, centers, shapes, colors, ground, spans, firsts, columns, rows, bands, lights)
         ctx.placed = (positions, wxyz, scales, opacities, matrix, lens, firsts)
         return image
 
     @staticmethod
     def backward(ctx: Any, *grad_outputs: Any) -> Any:
-        *tensors, camera = ctx.saved_tensors  # raises where one was changed since: the arrays of forward share memory
-        pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights = ctx.drawn
-        sums = np.empty((int(firsts[-1]), SUMS), np.float32)
+        # raises where one was changed since: the arrays of forward share memory
+        *tensors, camera, background = ctx.saved_tensors
+        ground, firsts, lights = ctx.drawn[5], ctx.drawn[7], ctx.drawn[11]
         d_image = grad_outputs[0].contiguous().numpy()
-        blend_back(pairs, ends, centers, shapes, colors, spans, firsts, columns, rows, bands, lights, d_image, sums)
+        d_ground = np.empty((len(ground) if len(ground) > 1 else len(lights), 3), np.float32)
+        sums = np.empty((int(firsts[-1]), SUMS), np.float32)
+        blend_back(*ctx.drawn, d_image, d_ground, sums)
         gradients = [torch.empty(tensor.shape) for tensor in tensors]
         shares = np.empty((SHARES, 3, 4))
-        positions, wxyz, scales, opacities, matrix, lens, firsts = ctx.placed
-        places, turns, sizes, peaks, hues = (gradient.numpy() for gradient in gradients)
-        project_back(
-            positions, wxyz, scales, opacities, matrix, lens, firsts, sums, places, turns, sizes, peaks, hues, shares
-        )
-        view = torch.zeros(4, 4, dtype=torch.float64)
-        view[:3] = torch.from_numpy(shares.sum(0))
-        return *gradients, view.to(camera.dtype), None
+        project_back(*ctx.placed, sums, *(gradient.numpy() for gradient in gradients), shares)
+        view = np.zeros((4, 4))
+        view[:3] = shares.sum(0)
+        if background is not None:
+            total = d_ground if len(ground) > 1 else d_ground.sum(0, np.float64, keepdims=True).astype(np.float32)
+            background = torch.from_numpy(total)
+        return *gradients, torch.from_numpy(view).to(camera.dtype), background, None

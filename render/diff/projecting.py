@@ -5,16 +5,15 @@ import numba
 import numpy as np
 
 from ..projection import ALPHA_MIN, DILATION, LOG_SCALE_MAX, NEAR, POSITION_MAX, VIEW_MARGIN
-from ..tiles import TILE, write_reach
+from ..tiles import LOG256_E, TILE, write_reach
 
 SHAPE = 8
 """Numbers that say what a splat looks like in the picture."""
 SUMS = 9
-"""What the tiles leave of each splat: with q = dL/dalpha e for a peak opacity 1, the sums over its pixels of q, q dx,
-q dy, q dx^2, q dx dy, q dy^2, then dL/d red, green, blue."""
+"""What the tiles leave of each splat: with q = alpha dL/dalpha, the sums over its pixels of q, q dx, q dy, q dx^2,
+q dx dy, q dy^2, then dL/d red, green, blue. Pixels where alpha is cut off at ALPHA_MAX have q 0."""
 SHARES = 64
 """The camera's gradient is summed in so many shares, whatever the threads: the same input gives the same bits."""
-_LOG2_E = 1.4426950408889634
 _SCALE_MAX = np.exp(np.float64(LOG_SCALE_MAX))
 _DILATION, _MARGIN, _LEAST = np.float64(DILATION), np.float64(VIEW_MARGIN), np.float64(ALPHA_MIN)
 
@@ -93,7 +92,7 @@ def _covariance(flat):
 
 @numba.njit(cache=True, parallel=True, error_model="numpy")
 def project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, shapes, spans, depths, firsts):
-    """Write each splat's centre (float64 [N, 2], pixels), shape (float32 [N, SHAPE]: conic in units of log2, opacity,
+    """Write each splat's centre (float64 [N, 2], pixels), shape (float32 [N, SHAPE]: conic in powers of 256, opacity,
     what ``tiles.reached_rows`` needs), span of tiles (int32 [N, 4]), depth (0 where it is not drawn) and number of
     tiles, one place late (``firsts`` int64 [N + 1]). ``matrix`` float64 [4, 4]; ``lens`` float64: fx, fy, cx, cy,
     width, height."""
@@ -124,9 +123,9 @@ def project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, s
             if not (x + half_x > 0 and x - half_x < width and y + half_y > 0 and y - half_y < height):
                 continue
             centers[i, 0], centers[i, 1] = x, y
-            shapes[i, 0] = -0.5 * _LOG2_E * c / determinant
-            shapes[i, 1] = _LOG2_E * b / determinant
-            shapes[i, 2] = -0.5 * _LOG2_E * a / determinant
+            shapes[i, 0] = -0.5 * LOG256_E * c / determinant
+            shapes[i, 1] = LOG256_E * b / determinant
+            shapes[i, 2] = -0.5 * LOG256_E * a / determinant
             shapes[i, 3] = opacity
             write_reach(reach, a, b, c, determinant, shapes[i, 4:])
             left, right = int(max(x - half_x, 0.0) / TILE), int(min(x + half_x, width - 1) / TILE)
@@ -184,13 +183,13 @@ def project_back(
             ca, cb, cc = c / determinant, -b / determinant, a / determinant
 
             opacity = np.float64(opacities[i])
-            d_opacities[i] = total[0]
+            d_opacities[i] = total[0] / opacity
             for k in range(3):
                 d_colors[i, k] = total[6 + k]
-            # power = -(ca dx^2 + 2 cb dx dy + cc dy^2) / 2; dL/dpower is opacity q
-            d_x = opacity * (ca * total[1] + cb * total[2])
-            d_y = opacity * (cb * total[1] + cc * total[2])
-            g00, g01, g11 = -0.5 * opacity * total[3], -0.5 * opacity * total[4], -0.5 * opacity * total[5]
+            # alpha = opacity e^power, power = -(ca dx^2 + 2 cb dx dy + cc dy^2) / 2: dL/dpower is q
+            d_x = ca * total[1] + cb * total[2]
+            d_y = cb * total[1] + cc * total[2]
+            g00, g01, g11 = -0.5 * total[3], -0.5 * total[4], -0.5 * total[5]
             # of the inverse of a symmetric matrix X = S^-1: dS = -X G X
             h00, h01 = ca * g00 + cb * g01, ca * g01 + cb * g11
             h10, h11 = cb * g00 + cc * g01, cb * g01 + cc * g11

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from ..camera import Camera
-from . import cpu, cuda, grounds, oracle
+from . import cpu, cuda, oracle
 from .tensors import GaussianTensors
 
 EngineName = Literal["auto", "torch", "cpu", "cuda"]
@@ -46,12 +46,10 @@ def rasterize(
         raise ValueError(f"world_to_camera must be [4, 4], got {list(world_to_camera.shape)}")
     world_to_camera = world_to_camera.to(like.device)
     chosen = _engine(engine, like)
+    if chosen == "cpu":
+        return cpu.render(gaussians, camera, world_to_camera, background)
     if chosen == "cuda":
         image = cuda.render(gaussians.to("cuda"), camera, world_to_camera.to("cuda", torch.float32)).to(like.device)
-    elif chosen == "cpu":
-        image = cpu.render(gaussians, camera, world_to_camera)
-        if background is not None:
-            return grounds.lay(image, background.to(image))
     else:
         image = oracle.render(gaussians, camera, world_to_camera.to(like.dtype))
     return image if background is None else over(image, background)
