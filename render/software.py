@@ -12,7 +12,7 @@ from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
 from .sorting import front_to_back
-from .tiles import LOG256_E, TILE, count_pairs, fill_pairs, lit_rows, power_of_256, reached_rows, tile_of, write_reach
+from .tiles import LOG256_E, TILE, aligned, count_pairs, fill_pairs, lit_rows, power_of_256, reached_rows, tile_of, write_reach
 
 _F = np.float32
 _LOG256_E = _F(LOG256_E)
@@ -203,8 +203,12 @@ def _rasterise(pairs, ends, records, colors, columns, rows, image):
         tile = tile_of(turn, tiles)
         x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
         # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
-        state = np.zeros((TILE, 4 * TILE), np.float32)
-        state[:, :TILE] = 1
+        state = aligned(TILE, 4 * TILE)
+        for y in range(TILE):
+            for x in range(4 * TILE):
+                state[y, x] = 0
+            for x in range(TILE):
+                state[y, x] = 1
         first, last = 0, TILE - 1
         reached = np.empty((_RUN, 2), np.int32)
         for begin in range(ends[tile], ends[tile + 1], _RUN):
@@ -235,9 +239,8 @@ def _rasterise(pairs, ends, records, colors, columns, rows, image):
                     e0, e1 = c * dy * dy, b * dy
                     for x in range(TILE):
                         dx = dx0 + _F(x)
-                        alpha = min(opacity * power_of_256(e0 + dx * (e1 + a * dx)), ALPHA_MAX)
-                        alpha = alpha if alpha >= ALPHA_MIN else _F(0)
-                        weight = alpha * state[y, x]
+                        peak = opacity * power_of_256(e0 + dx * (e1 + a * dx))
+                        weight = (min(peak, ALPHA_MAX) if peak >= ALPHA_MIN else _F(0)) * state[y, x]
                         state[y, x] -= weight
                         state[y, TILE + x] += weight * r
                         state[y, 2 * TILE + x] += weight * g

@@ -57,7 +57,7 @@ def fill_pairs(order, visible, spans, columns, ends, pairs):
                 place[tile] += 1
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, inline="always")
 def aligned(rows, columns):
     """Room for float32 [rows, columns] that begins where a cache line does. What ``np.empty`` gives begins in the midst
     of one as often as not, and then every vector of 512 bits lies in two."""
