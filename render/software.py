@@ -12,7 +12,18 @@ from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
 from .sorting import front_to_back
-from .tiles import LOG256_E, TILE, aligned, count_pairs, fill_pairs, lit_rows, power_of_256, reached_rows, tile_of, write_reach
+from .tiles import (
+    LOG256_E,
+    TILE,
+    aligned,
+    count_pairs,
+    fill_pairs,
+    lit_rows,
+    power_of_256,
+    reached_rows,
+    tile_of,
+    write_reach,
+)
 
 _F = np.float32
 _LOG256_E = _F(LOG256_E)

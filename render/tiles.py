@@ -19,10 +19,11 @@ _F = np.float32
 
 @numba.njit(cache=True)
 def count_pairs(depths, spans, columns, rows, ends):
-    """Write into ``ends`` int64 [tiles + 1] where the pairs of each tile begin, after those of the tile before; the last
-    is how many there are.
+    """Write into ``ends`` int64 [tiles + 1] where the pairs of each tile begin, after those of the tile before; the
+    last is how many there are.
 
-    ``spans`` int32 [N, 4]: first and last column, first and last row of tiles of each splat; splats of depth 0 have none.
+    ``spans`` int32 [N, 4]: first and last column, first and last row of tiles of each splat; a splat of depth 0 has
+    none.
     """
     # how many more there are than in the tile to the left and the one above (Crow 1984): four numbers a splat
     more = np.zeros((rows + 1, columns + 1), np.int64)

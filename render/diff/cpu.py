@@ -54,6 +54,7 @@ class _Splatting(torch.autograd.Function):
         blend(pairs, ends, centers, shapes, colors, ground, columns, rows, image.numpy(), bands, lights)
         ctx.save_for_backward(*tensors, world_to_camera, background)
         ctx.drawn = (pairs, ends, centers, shapes, colors, ground, spans, firsts, columns, rows, bands, lights)
+        ctx.tiles = columns * rows
         ctx.placed = (positions, wxyz, scales, opacities, matrix, lens, firsts)
         return image
 
@@ -61,17 +62,21 @@ class _Splatting(torch.autograd.Function):
     def backward(ctx: Any, *grad_outputs: Any) -> Any:
         # raises where one was changed since: the arrays of forward share memory
         *tensors, camera, background = ctx.saved_tensors
-        ground, firsts, lights = ctx.drawn[5], ctx.drawn[7], ctx.drawn[11]
+        positions, wxyz, scales, opacities, matrix, lens, firsts = ctx.placed
         d_image = grad_outputs[0].contiguous().numpy()
-        d_ground = np.empty((len(ground) if len(ground) > 1 else len(lights), 3), np.float32)
+        has_scene = background is not None and len(background) > 1
+        d_ground = np.empty((len(background) if has_scene else ctx.tiles, 3), np.float32)
         sums = np.empty((int(firsts[-1]), SUMS), np.float32)
-        blend_back(*ctx.drawn, d_image, d_ground, sums)
+        blend_back(*(*ctx.drawn, d_image, d_ground, sums))
         gradients = [torch.empty(tensor.shape) for tensor in tensors]
         shares = np.empty((SHARES, 3, 4))
-        project_back(*ctx.placed, sums, *(gradient.numpy() for gradient in gradients), shares)
+        places, turns, sizes, peaks, hues = (gradient.numpy() for gradient in gradients)
+        project_back(
+            positions, wxyz, scales, opacities, matrix, lens, firsts, sums, places, turns, sizes, peaks, hues, shares
+        )
         view = np.zeros((4, 4))
         view[:3] = shares.sum(0)
-        if background is not None:
-            total = d_ground if len(ground) > 1 else d_ground.sum(0, np.float64, keepdims=True).astype(np.float32)
-            background = torch.from_numpy(total)
-        return *gradients, torch.from_numpy(view).to(camera.dtype), background, None
+        if not has_scene:
+            d_ground = d_ground.sum(0, np.float64, keepdims=True).astype(np.float32)
+        d_background = None if background is None else torch.from_numpy(d_ground)
+        return *gradients, torch.from_numpy(view).to(camera.dtype), d_background, None
