@@ -64,10 +64,10 @@ class _Splatting(torch.autograd.Function):
         *tensors, camera, background = ctx.saved_tensors
         positions, wxyz, scales, opacities, matrix, lens, firsts = ctx.placed
         d_image = grad_outputs[0].contiguous().numpy()
-        has_scene = background is not None and len(background) > 1
-        d_ground = np.empty((len(background) if has_scene else ctx.tiles, 3), np.float32)
+        pixels = 0 if background is None else len(background)
+        d_ground = np.empty((pixels if pixels > 1 else ctx.tiles, 3), np.float32)
         sums = np.empty((int(firsts[-1]), SUMS), np.float32)
-        blend_back(*(*ctx.drawn, d_image, d_ground, sums))
+        blend_back(*ctx.drawn, d_image, d_ground, sums)  # pyright: ignore[reportCallIssue]
         gradients = [torch.empty(tensor.shape) for tensor in tensors]
         shares = np.empty((SHARES, 3, 4))
         places, turns, sizes, peaks, hues = (gradient.numpy() for gradient in gradients)
@@ -76,7 +76,7 @@ class _Splatting(torch.autograd.Function):
         )
         view = np.zeros((4, 4))
         view[:3] = shares.sum(0)
-        if not has_scene:
+        if pixels <= 1:
             d_ground = d_ground.sum(0, np.float64, keepdims=True).astype(np.float32)
         d_background = None if background is None else torch.from_numpy(d_ground)
         return *gradients, torch.from_numpy(view).to(camera.dtype), d_background, None
