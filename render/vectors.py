@@ -8,9 +8,9 @@ _NAMES = ("NUMBA_CPU_FEATURES", "NUMBA_CPU_NAME", "NUMBA_ENABLE_AVX")
 
 
 def widen() -> None:
-    """Have numba use vectors of 512 bits where that pays: a row of a tile is one of them, and forward and backward of
-    splatting take a sixth less. Only before numba compiles anything, and not where the user's environment says for
-    which processor it shall compile. numba's cache on disk tells kernels apart by this."""
+    """Have numba use vectors of 512 bits where that pays: a row of a tile is one of them, and tiles take a tenth to a
+    fifth less. Only before numba compiles anything, and not where the user's environment says for which processor it
+    shall compile. numba's cache on disk tells kernels apart by this."""
     if any(name in os.environ for name in _NAMES):
         return
     from llvmlite import binding
