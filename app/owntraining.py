@@ -32,7 +32,7 @@ class OwnWish:
     companions: tuple[Path, ...] = ()
     pictures: int = 2000
     """0: the paper's recipe alone, without the closed loop."""
-    steps: int = 4000
+    steps: int = 6000
     seed: int = 0
     labels: Path | None = None
     """A track with the training moments; None: see ``training_moments``."""

@@ -167,7 +167,7 @@ def train_regressor(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
     pictures: int = 2500,
-    steps: int = 6000,
+    steps: int | None = None,
     seed: int = 0,
     labels: Path | None = None,
     report: Path | None = None,
@@ -182,7 +182,7 @@ def train_regressor(
         out: Where the avatar with its regressor goes. Default: the same file.
         companions: Other avatars, which play strangers. Default: the other shipped ones.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
-        steps: Training steps.
+        steps: Training steps of a network. Default: 3,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
         labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the
             avatar does at its moments. Default: they are fitted.
@@ -204,8 +204,9 @@ def train_regressor(
     if not captures:
         if labels or report or strip:
             raise UsageError("--labels, --report and --strip need a capture; give its folder, too")
-        return run_training(path, out, videos, others, pictures, steps, seed)
+        return run_training(path, out, videos, others, pictures, 3000 if steps is None else steps, seed)
     if len(captures) > 1:
         raise UsageError(f"{captures[1]}: is a second capture; an avatar is of one person, give one")
-    wish = OwnWish(tuple(videos), tuple(others), pictures, steps, seed, labels, report, strip)
+    lasting = OwnWish.steps if steps is None else steps
+    wish = OwnWish(tuple(videos), tuple(others), pictures, lasting, seed, labels, report, strip)
     return run_own_training(path, captures[0], out or path, wish)

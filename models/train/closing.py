@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from .network import RegressorNetwork
 from .strangers import Crowd, Person
@@ -24,45 +24,47 @@ class ClosedLoop:
 
     def __init__(self, network: RegressorNetwork, own: Person, people: Crowd) -> None:
         """``own``: the avatar, whose weights are known; ``people``: whom to follow."""
-        self._network, self._response = network, own.response
-        self._people = tuple(torch.from_numpy(array) for array in (people.features, people.rotations, people.wanted))
-        seen = own.seen
-        self._own = tuple(torch.from_numpy(array) for array in (seen.features, seen.rotations, seen.weights))
-        self._rest = self._shown(torch.zeros(1, seen.weights.shape[1]))
+        self._network, self._responses = network, (own.response, *own.doubters)
+        self._wanted, self._known = torch.from_numpy(people.wanted), torch.from_numpy(own.seen.weights)
+        self._people = network.inputs(torch.from_numpy(people.features), torch.from_numpy(people.rotations))
+        self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.rotations))
+        still = torch.zeros(1, own.seen.weights.shape[1])
+        self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
 
     def mismatch(self, people: Crowd) -> float:
         """Mean Huber distance of the avatar's channels from what people's would read from the front, in tolerances."""
         features, rotations = torch.from_numpy(people.features), torch.from_numpy(people.rotations)
+        wanted = torch.from_numpy(people.wanted)
         with torch.no_grad():
-            got = self._shown(self._network.weights(features, rotations)) - self._rest
-            return float(torch.nn.functional.huber_loss(got, torch.from_numpy(people.wanted), delta=HUBER))
+            weights = self._network.weights(features, rotations)
+            got = [self._shown(weights, one) for one in range(len(self._responses))]
+            return float(torch.stack([nn.functional.huber_loss(read, wanted, delta=HUBER) for read in got]).mean())
 
     def loss(self, step: int = 0) -> Tensor:
-        """Of a random batch, the same for every ``step``."""
-        network, people, own = self._network, self._people, self._own
-        batch = torch.randint(len(people[0]), (BATCH,))
-        r, turn, wanted = (array[batch] for array in people)
-        free = network.free_weights(r, turn)
+        """Of a random batch; each ``step`` asks another response: what only one of them promises does not last."""
+        network = self._network
+        batch = torch.randint(len(self._wanted), (BATCH,))
+        inputs, start = (array[batch] for array in self._people)
+        free = network.steered(inputs, start)
         bounded = network.bounded(free)
         # a weight outside its bounds keeps a little gradient, or it would never come back
-        got = self._shown(bounded + 0.05 * (free - bounded)) - self._rest
-        loss = torch.nn.functional.huber_loss(got, wanted, delta=HUBER)
-        start = network.started(r)
+        got = self._shown(bounded + 0.05 * (free - bounded), step % len(self._responses))
+        loss = nn.functional.huber_loss(got, self._wanted[batch], delta=HUBER)
         loss = loss + PRIOR * ((bounded - start) ** 2).mean() + EXCESS * ((free - bounded) ** 2).mean()
-        known = torch.randint(len(own[0]), (BATCH // 2,))
-        labelled = network.free_weights(own[0][known], own[1][known])
-        return loss + LABELS * ((labelled - own[2][known]) ** 2).mean()
+        known = torch.randint(len(self._known), (BATCH // 2,))
+        labelled = network.steered(*(array[known] for array in self._own))
+        return loss + LABELS * ((labelled - self._known[known]) ** 2).mean()
 
-    def _shown(self, weights: Tensor) -> Tensor:
-        """What is read on the avatar from the front."""
-        return self._response(weights, torch.zeros(len(weights), 3))
+    def _shown(self, weights: Tensor, one: int) -> Tensor:
+        """What is read on the avatar from the front, relative to its neutral, as one of the responses knows it."""
+        return self._responses[one](weights, torch.zeros(len(weights), 3)) - self._rests[one]
 
 
 def descend(
     network: RegressorNetwork, loss: Callable[[int], Tensor], steps: int, progress: Callable[[str, int, int], None]
 ) -> None:
     """Trains a network in place; ``loss`` is asked with the number of the step."""
-    optimizer = torch.optim.AdamW(network.parameters(), 1e-3, weight_decay=1e-3)
+    optimizer = torch.optim.AdamW(network.parameters(), 1e-3, weight_decay=1e-3, fused=True)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
     for step in range(steps):
         value = loss(step)

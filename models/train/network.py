@@ -74,15 +74,20 @@ class RegressorNetwork(nn.Module):
         nn.init.zeros_(last.weight)
         nn.init.zeros_(last.bias)
 
-    def free_weights(self, features: Tensor, rotation: Tensor) -> Tensor:
-        """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
+    def inputs(self, features: Tensor, rotation: Tensor) -> tuple[Tensor, Tensor]:
+        """What the layers read [B, I], and the unlearned control weights [B, E] that they move; nothing in them is
+        learned, so that training needs them only once."""
         kappa = ((features - self.feature_mean) @ self.projection).clamp(-KAPPA_LIMIT, KAPPA_LIMIT)
         start = self.started(features)
-        return start + self.reach * torch.tanh(self.layers(torch.cat([kappa, rotation, start], 1)))
+        return torch.cat([kappa, rotation, start], 1), start
+
+    def steered(self, inputs: Tensor, start: Tensor) -> Tensor:
+        """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
+        return start + self.reach * torch.tanh(self.layers(inputs))
 
     def weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] within their bounds."""
-        return self.bounded(self.free_weights(features, rotation))
+        return self.bounded(self.steered(*self.inputs(features, rotation)))
 
     def started(self, features: Tensor) -> Tensor:
         """Control weights [B, E] as the scores alone give them."""

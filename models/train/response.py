@@ -155,7 +155,7 @@ def fit_response(inputs: tuple[Tensor, Tensor], channels: Tensor, steps: int, se
     model = ResponseModel(weights.shape[1], channels.shape[1])
     order = torch.randperm(len(weights))
     held, used = order[: len(order) // 10], order[len(order) // 10 :]
-    optimizer = torch.optim.AdamW(model.parameters(), 2e-3, weight_decay=1e-3)
+    optimizer = torch.optim.AdamW(model.parameters(), 2e-3, weight_decay=1e-3, fused=True)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
     for _ in range(steps):
         batch = used[torch.randint(len(used), (256,))]

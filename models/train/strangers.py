@@ -29,6 +29,8 @@ class Person:
     seen: Responses
     response: ResponseModel
     """Learned from them."""
+    doubters: tuple[ResponseModel, ...] = ()
+    """The same learned with other random numbers: where they disagree, it is not known how the person answers."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
-In between it acts before the tracker: F is learned again with these pictures, too, and g goes on.
+The first g acts before the tracker; F is learned again with these pictures, too, and a second g is trained and ships.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,14 +18,14 @@ from ..driver.features import BLOCKS
 from ..gem import Gem
 from ..gemfile import load_gem
 from .closing import ClosedLoop, descend
-from .controls import controls_of
+from .controls import Controls, controls_of
 from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .network import FeaturePca, RegressorNetwork
 from .rehearsal import rehearse
 from .response import Responses, fit_response, joined, measure_responses
-from .strangers import Person, crowd, in_tolerances
+from .strangers import Crowd, Person, crowd, in_tolerances
 
 COMPONENTS = 50
 """Equation 3: the features are reduced to so many numbers."""
@@ -33,14 +33,15 @@ SIGMA_FLOOR = 1e-3
 """Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
 CROWD = 40_000
 """Moments of invented people to follow."""
-FIRST_ACT = 0.35
-"""After this share of the steps the avatar acts what it has learned ..."""
+FIRST_ACT = 0.5
+"""Steps of the regressor that acts before the tracker, against those of the one that ships."""
 REHEARSED = 0.4
-"""... in so many pictures, against the random ones."""
+"""Pictures that it acts in, against the random ones."""
 STRANGERS = 0.6
 """Pictures of each companion, against the random ones of the avatar."""
-RESPONSE_SHARE = 0.35
-"""Steps of each response, against those of the regressor."""
+RESPONSES = 3
+"""So many models of the avatar's response, each learned with random numbers of its own, judge the regressor in turn: it
+would find out where a single one errs. Of strangers, one says what to do."""
 SERIES = 500
 """Pictures are drawn in series of so many, each with random numbers of its own."""
 Progress = Callable[[str, int, int], None]
@@ -70,7 +71,7 @@ def train_regressor(
     companions: Sequence[Path] = (),
     videos: Sequence[Path] = (),
     pictures: int = 2500,
-    steps: int = 6000,
+    steps: int = 3000,
     seed: int = 0,
     progress: Progress = lambda stage, done, total: None,
 ) -> tuple[Gem, TrainingReport]:
@@ -82,7 +83,7 @@ def train_regressor(
         videos: any videos of faces, unlabelled; they need not be of one person.
         pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
             learned; of companions fewer.
-        steps: training steps of the regressor.
+        steps: training steps of each network; more follow the avatars better and people worse.
         seed: makes the run repeatable.
         progress: called with the stage's name, steps done and steps in all.
 
@@ -114,31 +115,48 @@ def regressor_for(
     progress: Progress = lambda stage, done, total: None,
 ) -> tuple[bytes, TrainingReport]:
     """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it."""
-    rng = np.random.default_rng(seed)
-    controls, fit_steps = controls_of(gem), max(1, int(steps * RESPONSE_SHARE))
+    rng, controls = np.random.default_rng(seed), controls_of(gem)
     own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total))
-    avatar, r2 = person_of(own, fit_steps, seed)
-    others = []
-    for other in companions:
-        seen = pictures_of(
-            other, max(200, int(pictures * STRANGERS)), seed, lambda done, total: progress("strangers", done, total)
-        )
-        others.append(person_of(seen, fit_steps, seed)[0])
-    people = crowd([avatar, *others], footage, CROWD, rng)
-    torch.manual_seed(seed)
-    network = RegressorNetwork(feature_pca(np.concatenate([own.features, people.features[:8000]])), controls)
-    loop = ClosedLoop(network, avatar, people)
-    before = loop.mismatch(crowd([avatar, *others], footage, CROWD // 20, rng))
-    first = max(1, int(steps * FIRST_ACT))
-    descend(network, loop.loss, first, progress)
-    audience = crowd([avatar, *others], footage, max(1, int(pictures * REHEARSED)), rng)
+    count = max(200, int(pictures * STRANGERS))
+    seen = [pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total)) for one in companions]
+    others = [person_of(one, steps, seed)[0] for one in seen]
+    avatar, _ = person_of(own, steps, seed, RESPONSES)
+    school = _School(controls, [avatar, *others], footage, rng)
+    network = school.network(max(1, int(steps * FIRST_ACT)), seed, progress)
+    audience = school.people(max(1, int(pictures * REHEARSED)))
     acted = rehearse(gem, controls, network, audience, rng, lambda done, total: progress("rehearsal", done, total))
     own = joined([own, acted])
-    avatar, r2 = person_of(own, fit_steps, seed)
-    loop = ClosedLoop(network, avatar, crowd([avatar, *others], footage, CROWD, rng))
-    descend(network, loop.loss, max(1, steps - first), progress)
-    after = loop.mismatch(crowd([avatar, *others], footage, CROWD // 20, rng))
-    return export_onnx(network), TrainingReport(len(own), r2, before, after)
+    avatar, r2 = person_of(own, steps, seed, RESPONSES)
+    school = _School(controls, [avatar, *others], footage, rng)
+    before = school.mismatch(RegressorNetwork(school.pca, controls))
+    network = school.network(steps, seed, progress)
+    return export_onnx(network), TrainingReport(len(own), r2, before, school.mismatch(network))
+
+
+class _School:
+    """What a regressor learns from: the avatar, which is the first of the ``cast``, the others, and footage."""
+
+    def __init__(
+        self, controls: Controls, cast: Sequence[Person], footage: NDArray[np.float32], rng: np.random.Generator
+    ) -> None:
+        self._controls, self._cast, self._footage, self._rng = controls, cast, footage, rng
+        self._crowd, self._judges = self.people(CROWD), self.people(CROWD // 20)
+        self.pca = feature_pca(np.concatenate([cast[0].seen.features, self._crowd.features[:8000]]))
+
+    def people(self, count: int) -> Crowd:
+        """``count`` moments of invented people."""
+        return crowd(self._cast, self._footage, count, self._rng)
+
+    def network(self, steps: int, seed: int, progress: Progress) -> RegressorNetwork:
+        """A network of its own, trained."""
+        torch.manual_seed(seed)
+        network = RegressorNetwork(self.pca, self._controls)
+        descend(network, ClosedLoop(network, self._cast[0], self._crowd).loss, steps, progress)
+        return network
+
+    def mismatch(self, network: RegressorNetwork) -> float:
+        """On people held out of training."""
+        return ClosedLoop(network, self._cast[0], self._judges).mismatch(self._judges)
 
 
 def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
@@ -174,8 +192,10 @@ def pictures_of(gem: Gem, count: int, seed: int, progress: Callable[[int, int], 
     return joined(parts)
 
 
-def person_of(seen: Responses, steps: int, seed: int) -> tuple[Person, float]:
-    """An avatar with its response F, learned from its pictures, and the share of variance that F explains."""
+def person_of(seen: Responses, steps: int, seed: int, responses: int = 1) -> tuple[Person, float]:
+    """An avatar with its response F, learned from its pictures ``responses`` times, and the share of variance that the
+    first of them explains."""
     inputs = (torch.from_numpy(seen.weights), torch.from_numpy(seen.rotations))
-    response, r2 = fit_response(inputs, torch.from_numpy(in_tolerances(seen.features)), steps, seed)
-    return Person(seen, response), r2
+    channels = torch.from_numpy(in_tolerances(seen.features))
+    learned = [fit_response(inputs, channels, steps, seed + one) for one in range(responses)]
+    return Person(seen, learned[0][0], tuple(response for response, _ in learned[1:])), learned[0][1]

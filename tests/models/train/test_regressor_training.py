@@ -9,7 +9,6 @@ from gemheads.models.arkit import NAMES
 from gemheads.models.driver.baseline import GAIN, baseline_weights
 from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
 from gemheads.models.driver.regressor import Regressor
-from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
@@ -29,29 +28,7 @@ from gemheads.models.train.strangers import (  # noqa: E402
     pose_leak,
 )
 from gemheads.models.train.train_regressor import feature_pca  # noqa: E402
-
-
-def toy_gem(rigged: bool = True, splats: int = 12, components: int = 5) -> Gem:
-    rng = np.random.default_rng(0)
-    bases = {
-        name: Basis(
-            rng.normal(size=(components + 1, splats * CHANNELS[name])).astype("f4"),
-            np.linspace(1, 0.2, components).astype("f4"),
-        )
-        for name in MODALITIES
-    }
-    count = 4 * components
-    return Gem(
-        "toy",
-        bases,
-        np.full((splats, 3), 0.5, "f4"),
-        np.ones(splats, "f4"),
-        np.zeros(3, "f4"),
-        np.zeros((splats, 2), "u2"),
-        8,
-        Viewing((0, 0, 0), 0.25),
-        arkit_weights=rng.normal(size=(52, count)).astype("f4") if rigged else None,
-    )
+from toygem import toy_gem  # noqa: E402
 
 
 def relative_features(count: int, seed: int = 0) -> np.ndarray:

@@ -1,0 +1,79 @@
+"""The closed loop as a loss: several models of one response, and a network that they judge in turn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+
+from gemheads.models.arkit import NAMES  # noqa: E402
+from gemheads.models.driver.features import DIMENSION  # noqa: E402
+from gemheads.models.train.closing import ClosedLoop, descend  # noqa: E402
+from gemheads.models.train.controls import controls_of  # noqa: E402
+from gemheads.models.train.expressions import random_weights  # noqa: E402
+from gemheads.models.train.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
+from gemheads.models.train.strangers import Crowd, Person, in_tolerances  # noqa: E402
+from gemheads.models.train.train_regressor import feature_pca, person_of  # noqa: E402
+from toygem import toy_gem  # noqa: E402
+
+COUNT = 600
+
+
+def answering(shapes: np.ndarray) -> ResponseModel:
+    """A response that is linear in the weights alone."""
+    response = ResponseModel(len(NAMES), shapes.shape[1])
+    with torch.no_grad():
+        for parameter in response.parameters():
+            parameter.zero_()
+        response.linear.weight[:, : len(NAMES)] = torch.from_numpy(shapes.T)
+    return response.requires_grad_(False)
+
+
+@pytest.fixture(scope="module")
+def scene() -> tuple[RegressorNetwork, Person, Crowd]:
+    """An avatar whose face follows its weights linearly, and people who do with theirs what it should do."""
+    rng = np.random.default_rng(0)
+    weights = random_weights(COUNT, rng)
+    features = (weights @ rng.normal(0, 0.2, (len(NAMES), DIMENSION))).astype("f4")
+    wanted = in_tolerances(features)
+    shapes = np.linalg.lstsq(weights, wanted, rcond=None)[0].astype("f4")
+    seen = Responses(weights, np.zeros((COUNT, 3), "f4"), features)
+    torch.manual_seed(0)
+    network = RegressorNetwork(feature_pca(features), controls_of(toy_gem()))
+    return network, Person(seen, answering(shapes)), Crowd(features, seen.rotations, wanted)
+
+
+def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    network, avatar, people = scene
+    loop = ClosedLoop(network, avatar, people)
+    before = loop.mismatch(people)
+    descend(network, loop.loss, 150, lambda stage, done, total: None)
+    assert loop.mismatch(people) < 0.6 * before
+
+
+def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    network, avatar, people = scene
+    strange = answering(np.zeros((len(NAMES), people.wanted.shape[1]), "f4"))
+    doubted, other = replace(avatar, doubters=(strange,)), replace(avatar, response=strange)
+
+    def loss(who: Person, step: int) -> float:
+        torch.manual_seed(1)
+        return float(ClosedLoop(network, who, people).loss(step).detach())
+
+    assert loss(doubted, 0) == loss(avatar, 0)
+    assert loss(doubted, 1) == loss(other, 0) != loss(avatar, 1)
+    one, two, both = (ClosedLoop(network, who, people).mismatch(people) for who in (avatar, other, doubted))
+    assert both == pytest.approx((one + two) / 2, rel=1e-5)
+
+
+def test_responses_of_one_person_are_learned_each_for_itself(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    person, _ = person_of(scene[1].seen, 5, 0, responses=3)
+    again, _ = person_of(scene[1].seen, 5, 0, responses=1)
+    zero = torch.zeros(1, len(NAMES)), torch.zeros(1, 3)
+    answers = [response(*zero) for response in (person.response, *person.doubters)]
+    assert len(answers) == 3
+    assert torch.equal(answers[0], again.response(*zero))
+    assert not torch.allclose(answers[0], answers[1])
+    assert not torch.allclose(answers[1], answers[2])
