@@ -23,8 +23,10 @@ def main() -> int:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         soaked = soak(60 * options.minutes, Path(folder), options.seed, warm_up=min(30.0, 12 * options.minutes))
-    worst = sorted(soaked.gaps)[-3:]
+    worst = sorted(round(gap, 2) for gap in soaked.gaps)[-3:]
     print(f"{soaked.pictures} pictures, one every {1e3 * median(soaked.gaps):.1f} ms; longest waits {worst} s")
+    stalls = sorted(round(stall, 2) for stall in soaked.stalls)[-3:]
+    print(f"without those for a core {stalls} s")
     print(f"memory {soaked.rss[0]:.0f} to {soaked.rss[-1]:.0f} MB, at most {max(soaked.rss):.0f}")
     print(f"handles {soaked.handles[0]} to {soaked.handles[-1]}, threads {soaked.threads[0]} to {soaked.threads[-1]}")
     print(f"{soaked.engines_lost} engines died, {soaked.recordings} recordings, weather {soaked.weather}")

@@ -8,8 +8,9 @@ MOST_GROWTH = 0.05
 """Share by which memory may be larger in the last fifth than in the second."""
 SLACK_MB = 8.0
 MOST_SLOWER = 1.25
-LONGEST_GAP = 5.0
-"""Seconds without a picture, however bad the weather and busy the machine: the avatar goes on breathing."""
+LONGEST_STALL = 1.5
+"""Seconds without a picture, however bad the weather: the avatar goes on breathing. Those in which a busy machine let
+the program wait for a core do not count."""
 
 
 def complaints(soaked: Soaked) -> list[str]:
@@ -27,8 +28,8 @@ def complaints(soaked: Soaked) -> list[str]:
     early, late = (median(_fifth(soaked.gaps, part)) for part in (1, 4))
     if late > early * MOST_SLOWER + 0.01:
         told.append(f"pictures came every {1e3 * early:.0f} ms, and at the end every {1e3 * late:.0f} ms")
-    if max(soaked.gaps) > LONGEST_GAP:
-        told.append(f"nothing moved for {max(soaked.gaps):.1f} s")
+    if max(soaked.stalls) > LONGEST_STALL:
+        told.append(f"nothing moved for {max(soaked.stalls):.1f} s")
     return told
 
 

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
@@ -35,7 +36,9 @@ class Soaked:
     seconds: float = 0.0
     pictures: int = 0
     gaps: list[float] = field(default_factory=list)
-    """Seconds between two pictures, after the warm-up."""
+    """Seconds between two pictures, after the warm-up ..."""
+    stalls: list[float] = field(default_factory=list)
+    """... and without those in which a thread of the program waited for a core."""
     rss: list[float] = field(default_factory=list)
     """Megabytes, twice a second."""
     handles: list[int] = field(default_factory=list)
@@ -97,6 +100,7 @@ class _Watch:
         self._soaked, self._warm_up = soaked, warm_up
         self._process, self._started = psutil.Process(), time.perf_counter()
         self._drawn_at = self._looked = 0.0
+        self._waited = waited()
 
     @property
     def elapsed(self) -> float:
@@ -105,16 +109,29 @@ class _Watch:
     def drawn(self) -> None:
         """A picture is done."""
         now, soaked = self.elapsed, self._soaked
+        before, self._waited = self._waited, waited()
         if now >= self._warm_up:
             soaked.pictures += 1
             if self._drawn_at >= self._warm_up:
-                soaked.gaps.append(now - self._drawn_at)
+                gap = now - self._drawn_at
+                starved = sum(secs - before.get(thread, 0.0) for thread, secs in self._waited.items())
+                soaked.gaps.append(gap)
+                soaked.stalls.append(max(0.0, gap - starved))
             if now - self._looked >= 0.5:
                 self._looked = now
                 soaked.rss.append(self._process.memory_info().rss / 1e6)
                 soaked.handles.append(self._process.num_fds() if hasattr(self._process, "num_fds") else 0)
                 soaked.threads.append(threading.active_count())
         self._drawn_at = now
+
+
+def waited() -> dict[str, float]:
+    """Thread -> seconds that it was ready and had no core, so far; empty where the system does not say."""
+    found = {}
+    for file in Path("/proc/self/task").glob("*/schedstat"):
+        with suppress(OSError):  # it ended meanwhile
+            found[file.parent.name] = int(file.read_text().split()[1]) / 1e9
+    return found
 
 
 def _engine(rng: Random) -> FastestEngine:
