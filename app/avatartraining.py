@@ -88,6 +88,8 @@ def _told(out: Path, plan: "Plan", outcome: "Outcome") -> str:
     if not plan.perceptual:
         lines.append("without the VGG term: it will look softer")
     if outcome.skipped:
-        lines.append(f"{outcome.skipped} steps were not finite and were skipped, {outcome.restored} times taken back")
+        lines.append(f"{outcome.skipped} steps were not finite and were skipped")
+    if outcome.restored:
+        lines.append(f"taken back to its last checkpoint {outcome.restored} times: it had left what it had learned")
     lines.append(f"look at {out / 'previews'} and {out / 'loss.png'}; then: gemheads distill {out} -o NAME.gem")
     return "\n".join(lines)

@@ -162,3 +162,16 @@ def read_checkpoint(folder: Path) -> dict[str, Any] | None:
     except Exception as error:  # torch names many, and a broken archive has its own
         cure = f"delete {CHECKPOINT} to begin anew"
         raise RunError(path, f"is broken ({type(error).__name__})", cure) from error
+
+
+def begin_run(folder: Path, config: Config) -> Config:
+    """Makes the folder and writes its config; a run of the same goes on, with its own. Raises RunError, OSError."""
+    before = read_config(folder)
+    if before is not None and before.plan != config.plan:
+        raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
+    if before is not None and before.capture.resolve() != config.capture.resolve():
+        raise RunError(folder, f"holds a run of {before.capture}", "give that capture to go on, or another folder")
+    if before is None:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_config(folder, config)
+    return before or config

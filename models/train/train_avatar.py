@@ -20,6 +20,7 @@ from ..captures.reader import Capture
 from ..captures.texels import texels_of
 from ..captures.texture import texel_colors
 from ..wholefile import write_whole
+from .astray import astray
 from .deck import Deck, frontal, spaced
 from .drawing import Stage
 from .focus import focus_map, regions_of
@@ -34,10 +35,10 @@ from .runs import (
     PREVIEWS,
     Config,
     RunError,
+    begin_run,
     default_device,
     load,
     read_checkpoint,
-    read_config,
     write_checkpoint,
     write_config,
 )
@@ -54,6 +55,11 @@ PATIENCE = 5
 """So many non-finite steps in a row take the run back to its last checkpoint ..."""
 RETURNS = 3
 """... and so many returns without a sound step between them end it."""
+SLOWER = 0.5
+"""Factor on all rates once training has left what it had learned."""
+BETAS = (0.9, 0.99)
+"""Of Adam. With the usual .999 it sees too late that gradients have grown: a run of the preset `tiny`
+was thrown off in its 570th step, and did not come back."""
 JUDGED = 12
 """Pictures of a split that the quality is measured on while training."""
 
@@ -107,19 +113,6 @@ def train_avatar(
     return trainer.run(progress)
 
 
-def begin_run(folder: Path, config: Config) -> Config:
-    """Makes the folder and writes its config; a run of the same goes on, with its own. Raises RunError, OSError."""
-    before = read_config(folder)
-    if before is not None and before.plan != config.plan:
-        raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
-    if before is not None and before.capture.resolve() != config.capture.resolve():
-        raise RunError(folder, f"holds a run of {before.capture}", "give that capture to go on, or another folder")
-    if before is None:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_config(folder, config)
-    return before or config
-
-
 class Trainer:
     """A training between two steps."""
 
@@ -137,12 +130,14 @@ class Trainer:
         self.deck = Deck(capture.train, plan.views, plan.seed)
         self._reader = Reader(self.stage, self.deck, plan.steps)
         self.step, self.skipped, self.restored = 0, 0, 0
-        self._stumbles, self._returns = 0, 0
+        self._stumbles, self._returns, self._pace = 0, 0, 1.0
         self._rows: list[list[float]] = []
         self._regions = regions_of(texels, capture.template.part_names)
         groups = self.avatar.groups()
         self._rates = [plan.rates[name] for name in groups]
-        self._optimizer = torch.optim.Adam([{"params": parameters} for parameters in groups.values()], fused=True)
+        self._optimizer = torch.optim.Adam(
+            [{"params": parameters} for parameters in groups.values()], betas=BETAS, fused=True
+        )
         self._ticked = time.monotonic()
 
     def resume(self) -> None:
@@ -159,6 +154,7 @@ class Trainer:
         self._load(state)
         self.step, self._rows = int(state["step"]), state["rows"].tolist()
         self.skipped, self.restored, self._stumbles, self._returns = (int(x) for x in state["faults"])
+        self._pace = float(state.get("pace", 1.0))
 
     def run(self, progress: Progress) -> Outcome:
         """All steps that are left; then the folder holds everything."""
@@ -167,7 +163,7 @@ class Trainer:
             while self.step < self.plan.steps:
                 self._learn()
                 if self.step % self.plan.checkpoint_every == 0 or self.step == self.plan.steps:
-                    self._keep()
+                    self._keep_to_what_is_good()
                 if self.step % self.plan.preview_every == 0 and self.step < self.plan.steps:
                     self._show()
                 progress("train", self.step, self.plan.steps)
@@ -192,7 +188,7 @@ class Trainer:
     def _learn(self) -> None:
         """One step, from its pictures to its new weights; one that is not finite changes nothing."""
         for group, rate in zip(self._optimizer.param_groups, self._rates, strict=True):
-            group["lr"] = rate * self._rate_share()
+            group["lr"] = rate * self._rate_share() * self._pace
         self._optimizer.zero_grad(set_to_none=True)
         terms = self._terms()
         loss = self.objective.total(terms)
@@ -254,6 +250,16 @@ class Trainer:
             cure = f"delete {CHECKPOINT} to begin anew"
             raise RunError(self.folder / CHECKPOINT, f"does not fit ({error})", cure) from error
 
+    def _keep_to_what_is_good(self) -> None:
+        """Writes the checkpoint; where training has gone astray, the weights of the last one are gone on with."""
+        if astray([row[-1] for row in self._rows], self.plan.checkpoint_every):
+            state = read_checkpoint(self.folder)
+            assert state is not None  # resume() wrote the first
+            self._load(state)
+            self._pace *= SLOWER
+            self.restored += 1
+        self._keep()
+
     def _keep(self) -> None:
         """Writes the checkpoint, unless the weights are what it shall save from."""
         if not all(bool(torch.isfinite(parameter).all()) for parameter in self.avatar.parameters()):
@@ -263,6 +269,7 @@ class Trainer:
             "avatar": self.avatar.state_dict(),
             "optimizer": self._optimizer.state_dict(),
             "rows": torch.tensor(self._rows, dtype=torch.float64),
+            "pace": self._pace,
             "faults": [self.skipped, self.restored, self._stumbles, self._returns],
         }
         write_checkpoint(self.folder, state)

@@ -17,6 +17,7 @@ import toycapture  # noqa: E402
 from checkpoints import assert_identical  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
+from gemheads.models.train.astray import astray  # noqa: E402
 from gemheads.models.train.deck import Deck, frontal, spaced  # noqa: E402
 from gemheads.models.train.deform import Moment  # noqa: E402
 from gemheads.models.train.drawing import Stage  # noqa: E402
@@ -25,7 +26,7 @@ from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from gemheads.models.train.plan import PRESETS, Plan  # noqa: E402
 from gemheads.models.train.run_source import run_source  # noqa: E402
 from gemheads.models.train.runs import CHECKPOINT, RunError, open_run, read_checkpoint  # noqa: E402
-from gemheads.models.train.train_avatar import PATIENCE, RETURNS, train_avatar  # noqa: E402
+from gemheads.models.train.train_avatar import PATIENCE, RETURNS, Trainer, train_avatar  # noqa: E402
 
 BRIEF = Plan(
     32, 4, 2, steps=30, colors_first=8, checkpoint_every=5, preview_every=15, perceptual_every=2, perceptual_side=24
@@ -134,6 +135,44 @@ def test_weights_that_went_bad_are_taken_back(
     outcome = train_avatar(capture, tmp_path, plan)
     assert (outcome.skipped, outcome.restored) == (PATIENCE, 1)
     assert np.isfinite([outcome.loss, outcome.val_psnr]).all()
+
+
+def test_what_is_thrown_off_goes_on_from_its_last_checkpoint_more_slowly(
+    capture: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = replace(BRIEF, steps=160, checkpoint_every=40, preview_every=1000)
+    sound, drawn = Trainer._learn, []
+
+    def learn(self: Trainer) -> None:
+        drawn.append(self.avatar.constant.detach().abs().max().item())
+        if self.step == 90:
+            with torch.no_grad():
+                self.avatar.constant.add_(100.0)
+        sound(self)
+
+    monkeypatch.setattr(Trainer, "_learn", learn)
+    outcome = train_avatar(capture, tmp_path, plan)
+    assert (outcome.skipped, outcome.restored) == (0, 1)
+    state = read_checkpoint(tmp_path)
+    assert state is not None
+    assert state["pace"] == 0.5
+    assert max(drawn[91:120]) > 50 > max(drawn[:90] + drawn[120:])
+
+
+@pytest.mark.parametrize(
+    ("losses", "gone"),
+    [
+        ([0.1] * 80, False),
+        ([0.1] * 70 + [0.3] * 10, True),
+        ([0.1] * 70 + [0.3] * 5 + [float("nan")] * 5, True),
+        ([0.1] * 60 + [0.3] * 10 + [0.1] * 10, False),  # it came back
+        ([0.5] * 40 + [0.1] * 40, False),
+        ([0.1] * 30 + [0.3] * 10, False),  # nothing to compare with
+        ([0.1] * 40 + [float("nan")] * 40, False),  # steps that are not finite have a cure of their own
+    ],
+)
+def test_what_has_gone_astray(losses: list[float], gone: bool) -> None:
+    assert astray(losses, 40) == gone
 
 
 def test_a_capture_that_cannot_be_drawn_is_given_up(
