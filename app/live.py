@@ -26,7 +26,7 @@ from .frames import Frame
 from .performance import Pose
 from .sinks import Sink
 from .state import Phase
-from .threads import Behind, ahead
+from .threads import Behind, ahead, at_most
 from .timing import Stopwatch
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator
 def draw(stage: Stage, pose: Pose) -> Image:
     """One picture: compose, pose the head, splat; [H, W, 3] over the background, or [H, W, 4] with straight alpha."""
     gem, watch = stage.gem, stage.watch
-    with watch("compose"):
+    with watch("compose"), at_most(1):  # a millisecond's work: another core would come too late
         splats = gem.compose(pose.coefficients, stage.components, out=stage.splats)
         splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, pose.translation, out=stage.posed)
     with watch("draw"):

@@ -2,11 +2,28 @@
 
 import queue
 import threading
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any, Generic, TypeVar
+
+import numba
 
 Item = TypeVar("Item")
 _END = object()
+
+
+@contextmanager
+def at_most(threads: int) -> Iterator[None]:
+    """numba's kernels run on so many threads at most, as far as this thread calls them; one at least.
+
+    A kernel ends when the last of its threads does. While the tracker has a core, a thread too many waits for that.
+    """
+    before = numba.get_num_threads()
+    numba.set_num_threads(max(1, min(threads, before)))
+    try:
+        yield
+    finally:
+        numba.set_num_threads(before)
 
 
 def ahead(items: Iterable[Item], depth: int = 4) -> Generator[Item, None, None]:

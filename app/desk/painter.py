@@ -1,8 +1,10 @@
 """From a pose and the state of the desk to the picture: what the window and all outputs show."""
 
 import threading
+from contextlib import AbstractContextManager
 from dataclasses import replace
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,7 @@ from ...render.engines import Engine
 from ..live import Stage, draw
 from ..performance import Pose
 from ..portrait import portrait
+from ..threads import at_most
 from ..timing import Stopwatch
 from ..words import read_colour
 from .compare import decibels, heat, joined
@@ -36,6 +39,11 @@ def camera_of(gem: Gem, state: DeskState, width: int, height: int) -> Camera:
     return replace(camera, fx=camera.fx * state.zoom, fy=camera.fy * state.zoom)
 
 
+def _beside_the_tracker() -> AbstractContextManager[None]:
+    """Drawing on all cores but one: the tracker has that, or both wait for each other."""
+    return at_most(numba.get_num_threads() - 1)
+
+
 class Painter:
     """Draws one avatar by one engine, a picture at a time."""
 
@@ -55,13 +63,13 @@ class Painter:
         """
         if state.curtain:
             return np.full((self.size[1], self.size[0], 3), CURTAIN, np.uint8)
-        with KERNELS:
+        with KERNELS, _beside_the_tracker():
             return draw(self._staged(gem, state, components, scale), pose)
 
     def comparison(self, pose: Pose, state: DeskState, used: Image) -> Image:
         """What the window shows while A and B are compared, after ``picture`` drew B, which is ``used``."""
         assert self._whole is not None
-        with KERNELS:
+        with KERNELS, _beside_the_tracker():
             whole = draw(self._whole, pose)
         self.error_db = decibels(whole, used)
         other = heat(whole, used) if state.error_map else used

@@ -2,8 +2,9 @@ import threading
 import time
 from collections.abc import Iterator
 
+import numba
 import pytest
-from gemheads.app.threads import Behind, ahead
+from gemheads.app.threads import Behind, ahead, at_most
 
 
 def test_ahead_keeps_items_and_order() -> None:
@@ -83,3 +84,16 @@ def test_behind_abandoned_says_nothing() -> None:
     writer = Behind(consume)
     writer.put(1)
     writer.abandon()
+
+
+def test_kernels_get_so_many_threads_at_most_and_one_at_least() -> None:
+    before = numba.get_num_threads()
+    for wish in (-1, 0, 1, before, before + 7):
+        with at_most(wish):
+            assert numba.get_num_threads() == max(1, min(wish, before))
+            with at_most(before):
+                assert numba.get_num_threads() <= before
+        assert numba.get_num_threads() == before
+    with pytest.raises(KeyError), at_most(1):
+        raise KeyError
+    assert numba.get_num_threads() == before
