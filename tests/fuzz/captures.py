@@ -70,5 +70,5 @@ def mutated_npz(content: bytes, rng: Random) -> bytes:
                         body = body[:128] + body[128:] * rng.choice((0, 2, 1000))
                     case _:
                         body = damaged(body, rng)
-            new.writestr(name, body)
+            new.writestr(zipfile.ZipInfo(name), body, zipfile.ZIP_DEFLATED)  # of one date: the same bytes again
     return packed.getvalue()
