@@ -41,7 +41,8 @@ class SoftwareEngine:
 
     def __init__(self, reason: str = "") -> None:
         """``reason``: why it was taken instead of another engine; people read it behind the description."""
-        self.description = f"numba tiles on {numba.get_num_threads()} threads" + (f" ({reason})" if reason else "")
+        threads = numba.get_num_threads()
+        self.description = f"numba tiles on {threads} thread{'s' * (threads > 1)}" + (f" ({reason})" if reason else "")
         self.timings: dict[str, float] = {}
         """Stage -> seconds of the last frame: project, sort, draw."""
         self._records = np.empty((0, _RECORD), np.float32)

@@ -39,7 +39,7 @@ def camera_of(gem: Gem, state: DeskState, width: int, height: int) -> Camera:
     return replace(camera, fx=camera.fx * state.zoom, fy=camera.fy * state.zoom)
 
 
-def _beside_the_tracker() -> AbstractContextManager[None]:
+def beside_the_tracker() -> AbstractContextManager[None]:
     """Drawing on all cores but one: the tracker has that, or both wait for each other."""
     return at_most(numba.get_num_threads() - 1)
 
@@ -63,13 +63,13 @@ class Painter:
         """
         if state.curtain:
             return np.full((self.size[1], self.size[0], 3), CURTAIN, np.uint8)
-        with KERNELS, _beside_the_tracker():
+        with KERNELS, beside_the_tracker():
             return draw(self._staged(gem, state, components, scale), pose)
 
     def comparison(self, pose: Pose, state: DeskState, used: Image) -> Image:
         """What the window shows while A and B are compared, after ``picture`` drew B, which is ``used``."""
         assert self._whole is not None
-        with KERNELS, _beside_the_tracker():
+        with KERNELS, beside_the_tracker():
             whole = draw(self._whole, pose)
         self.error_db = decibels(whole, used)
         other = heat(whole, used) if state.error_map else used

@@ -109,7 +109,8 @@ def capture_regressor(
     torch.manual_seed(effort.seed)
     network = RegressorNetwork(feature_pca(spread), controls)
     loop = None if others is None else ClosedLoop(network, others.avatar, others.people)
-    before = None if loop is None or others is None else loop.mismatch(others.judges)
+    judged = None if others is None else ClosedLoop(network, others.avatar, others.judges)
+    before = None if judged is None else judged.mismatch()
 
     def loss(step: int) -> torch.Tensor:
         total = LABELS * labelled.loss(network)
@@ -121,9 +122,9 @@ def capture_regressor(
 
     descend(network, loss, effort.steps, progress)
     learned = replace(gem, regressor=export_onnx(network))
-    if loop is None or others is None or before is None:
+    if judged is None or others is None or before is None:
         return CaptureRegressor(learned, neutral, sightings, cameras, None, None)
-    return CaptureRegressor(learned, neutral, sightings, cameras, others.r2, (before, loop.mismatch(others.judges)))
+    return CaptureRegressor(learned, neutral, sightings, cameras, others.r2, (before, judged.mismatch()))
 
 
 @dataclass(frozen=True)

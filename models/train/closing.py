@@ -31,14 +31,14 @@ class ClosedLoop:
         still = torch.zeros(1, own.seen.weights.shape[1])
         self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
 
-    def mismatch(self, people: Crowd) -> float:
-        """Mean Huber distance of the avatar's channels from what people's would read from the front, in tolerances."""
-        features, rotations = torch.from_numpy(people.features), torch.from_numpy(people.rotations)
-        wanted = torch.from_numpy(people.wanted)
+    def mismatch(self) -> float:
+        """Mean Huber distance of the avatar's channels from what the people's would read from the front, in tolerances;
+        the mean of what all responses say."""
         with torch.no_grad():
-            weights = self._network.weights(features, rotations)
+            weights = self._network.bounded(self._network.steered(*self._people))
             got = [self._shown(weights, one) for one in range(len(self._responses))]
-            return float(torch.stack([nn.functional.huber_loss(read, wanted, delta=HUBER) for read in got]).mean())
+            misses = [nn.functional.huber_loss(read, self._wanted, delta=HUBER) for read in got]
+            return float(torch.stack(misses).mean())
 
     def loss(self, step: int = 0) -> Tensor:
         """Of a random batch; each ``step`` asks another response: what only one of them promises does not last."""

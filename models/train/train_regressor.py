@@ -156,7 +156,7 @@ class _School:
 
     def mismatch(self, network: RegressorNetwork) -> float:
         """On people held out of training."""
-        return ClosedLoop(network, self._cast[0], self._judges).mismatch(self._judges)
+        return ClosedLoop(network, self._cast[0], self._judges).mismatch()
 
 
 def feature_pca(features: NDArray[np.float32]) -> FeaturePca:

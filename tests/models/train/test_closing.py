@@ -48,9 +48,9 @@ def scene() -> tuple[RegressorNetwork, Person, Crowd]:
 def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
     network, avatar, people = scene
     loop = ClosedLoop(network, avatar, people)
-    before = loop.mismatch(people)
+    before = loop.mismatch()
     descend(network, loop.loss, 150, lambda stage, done, total: None)
-    assert loop.mismatch(people) < 0.6 * before
+    assert loop.mismatch() < 0.6 * before
 
 
 def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
@@ -64,7 +64,7 @@ def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person
 
     assert loss(doubted, 0) == loss(avatar, 0)
     assert loss(doubted, 1) == loss(other, 0) != loss(avatar, 1)
-    one, two, both = (ClosedLoop(network, who, people).mismatch(people) for who in (avatar, other, doubted))
+    one, two, both = (ClosedLoop(network, who, people).mismatch() for who in (avatar, other, doubted))
     assert both == pytest.approx((one + two) / 2, rel=1e-5)
 
 

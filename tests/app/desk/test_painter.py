@@ -1,0 +1,63 @@
+"""The picture of the window and its outputs: on which cores it is drawn."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numba
+import numpy as np
+import pytest
+from gemheads.app.desk.painter import Painter, beside_the_tracker
+from gemheads.app.desk.state import DeskState
+from gemheads.app.library import find_avatar
+from gemheads.app.performance import Pose
+from gemheads.app.timing import Stopwatch
+from gemheads.models.gem import Gem
+from gemheads.models.gemfile import load_gem
+from gemheads.render.camera import Camera
+from gemheads.render.gaussians import RawGaussians
+from gemheads.render.software import SoftwareEngine
+
+
+class Watched(SoftwareEngine):
+    """Keeps on how many threads it was asked to draw."""
+
+    def draw(self, raw: RawGaussians, camera: Camera) -> np.ndarray:
+        self.threads = numba.get_num_threads()
+        return super().draw(raw, camera)
+
+
+@contextmanager
+def cores(count: int) -> Iterator[None]:
+    before = numba.get_num_threads()
+    if count > before:
+        pytest.skip(f"needs {count} cores, there are {before}")
+    numba.set_num_threads(count)
+    try:
+        yield
+    finally:
+        numba.set_num_threads(before)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_live_drawing_leaves_a_core_to_the_tracker_and_composing_takes_one(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gem = load_gem(find_avatar("mara"))
+    composed, sound = [], Gem.compose
+
+    def compose(self: Gem, *args: object, **named: object) -> RawGaussians:
+        composed.append(numba.get_num_threads())
+        return sound(self, *args, **named)  # type: ignore[arg-type]
+
+    pose = Pose(gem.rest_coefficients, np.zeros(3, np.float32))
+    with cores(count):
+        with beside_the_tracker():
+            engine = Watched()
+        painter = Painter(engine, (64, 64), Stopwatch())
+        painter.picture(gem, pose, DeskState(), gem.components)  # what a stage holds is made with its first picture
+        monkeypatch.setattr(Gem, "compose", compose)
+        painter.picture(gem, pose, DeskState(), gem.components)
+        assert numba.get_num_threads() == count
+    drawn = max(1, count - 1)
+    assert (engine.threads, composed) == (drawn, [1])
+    assert engine.description == f"numba tiles on {drawn} thread" + "s" * (drawn > 1)
