@@ -76,6 +76,10 @@ class Capture:
         """The newest shot, each only once."""
         return self._loop.shots.take()
 
+    def rouse(self, waker: Callable[[], None]) -> None:
+        """Have ``waker`` called whenever there is a new shot: in the capture thread, so it must return at once."""
+        self._loop.shots.rouse = waker
+
     @property
     def health(self) -> Health:
         """How the source is doing."""

@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     Desk = DeskWindow | DeskOffscreen
 
 Image = NDArray[np.uint8]
-WAIT_SECS = 0.002
-"""How long the window looks for keys and pointer before it looks for a shot."""
+WAIT_SECS = 0.01
+"""How long the window waits for keys and pointer, unless a shot or a picture wakes it before."""
 NO_SHIFT = np.zeros(3, np.float32)
 
 
@@ -164,6 +164,7 @@ def run_live(desk: "Desk", session: "Session") -> None:
     Nothing here waits for the driver, a file, an output or, where the engine allows it, a picture: the newest shot
     wins, and what is not ready comes later.
     """
+    session.rouse(desk.wake)
     while not session.state.quitting:
         for order in (*desk.poll(WAIT_SECS), *session.orders()):
             session.obey(order)

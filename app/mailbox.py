@@ -1,6 +1,7 @@
 """A mailbox with one slot between two threads: what is put in replaces what nobody took, and nobody ever waits."""
 
 import threading
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 Item = TypeVar("Item")
@@ -12,6 +13,8 @@ class Mailbox(Generic[Item]):
     def __init__(self) -> None:
         self._filled = threading.Condition()
         self._item: Item | None = None
+        self.rouse: Callable[[], None] = lambda: None
+        """Called after an item was left, in the thread that left it."""
         self.dropped = 0
         """How many items were replaced before anybody took them."""
 
@@ -21,6 +24,7 @@ class Mailbox(Generic[Item]):
             self.dropped += self._item is not None
             self._item = item
             self._filled.notify()
+        self.rouse()
 
     def take(self, timeout: float = 0.0) -> Item | None:
         """The newest item, each only once; None when none came within ``timeout`` seconds."""

@@ -14,6 +14,8 @@ class Beside(Generic[Result]):
         self._pool = ThreadPoolExecutor(1, thread_name_prefix=name)
         self._begun: Future[Result] | None = None
         self._work: Callable[[], Result] | None = None
+        self.rouse: Callable[[], None] = lambda: None
+        """Called when a piece of work is done, in the thread that did it."""
 
     @property
     def free(self) -> bool:
@@ -27,6 +29,7 @@ class Beside(Generic[Result]):
         self._begun = Future() if here else self._pool.submit(work)
         if here:
             self._begun.set_result(work())
+        self._begun.add_done_callback(lambda _: self.rouse())
 
     def result(self) -> Result | None:
         """What came of it, once; None before that.

@@ -77,14 +77,21 @@ class Canvas:
         self._kept.release()
 
 
-def boxes_around(area: Area, width: int, height: int) -> list[Box]:
-    """The pixels of a screen whose centres do not lie in ``area``, as boxes beside, below and above it."""
+def box_of(area: Area, width: int, height: int) -> Box:
+    """The pixels of a screen whose centres lie in ``area``."""
     left, right = (min(width, max(0, math.ceil(edge - 0.5))) for edge in (area.left, area.left + area.width))
     top, bottom = (min(height, max(0, math.ceil(edge - 0.5))) for edge in (area.top, area.top + area.height))
+    return left, height - bottom, right - left, bottom - top
+
+
+def boxes_around(area: Area, width: int, height: int) -> list[Box]:
+    """All other pixels of a screen, as boxes beside, below and above it."""
+    left, bottom, across, up = box_of(area, width, height)
+    right, top = left + across, bottom + up
     boxes = [
         (0, 0, left, height),
         (right, 0, width - right, height),
-        (left, 0, right - left, height - bottom),
-        (left, height - top, right - left, top),
+        (left, 0, across, bottom),
+        (left, top, across, height - top),
     ]
     return [box for box in boxes if box[2] > 0 and box[3] > 0]

@@ -37,6 +37,7 @@ class Driving:
         self._neutral = NeutralTaking()
         self._cameras = CameraList()
         self._by_camera, self._known_camera = False, ""
+        self._waker: Callable[[], None] = lambda: None
 
     @property
     def health(self) -> Health:
@@ -63,6 +64,7 @@ class Driving:
         try:
             if self._capture is None:
                 capture: Capture = self._make(avatar)
+                capture.rouse(self._waker)
                 capture.use(*self._source)
                 self._capture = capture
             else:
@@ -73,6 +75,12 @@ class Driving:
         if not (origin := origin_of(avatar)).consented:
             self._tell(origin.said(), False)
         return True
+
+    def rouse(self, waker: Callable[[], None]) -> None:
+        """Have ``waker`` called, in the capture thread, when there is a new shot."""
+        self._waker = waker
+        if self._capture is not None:
+            self._capture.rouse(waker)
 
     def newest(self) -> Shot | None:
         """The newest shot, each once."""

@@ -36,6 +36,9 @@ class DeskOffscreen:
         orders, self._orders = self._orders, []
         return orders
 
+    def wake(self) -> None:
+        """For windows: nothing waits here."""
+
     def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
         """Draw a frame; ``picture`` [H, W, 3|4] stays until another one comes."""
         inputs = imgui.get_io()

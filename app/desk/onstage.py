@@ -113,6 +113,10 @@ class OnStage:
         """Whether pictures can only be drawn in the window's thread."""
         return self._painter is None or self._painter.engine.bound
 
+    def rouse(self, waker: Callable[[], None]) -> None:
+        """Have ``waker`` called, in whatever thread, when a picture is done."""
+        self._drawing.rouse = waker
+
     def call(self, path: Path | None) -> None:
         """Have an avatar opened; None asks for nothing."""
         if path is not None:

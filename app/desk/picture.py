@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -75,17 +76,21 @@ class PictureOnScreen:
         }
         self._quads = {channels: context.vertex_array(program, []) for channels, program in self._programs.items()}
         self._texture: moderngl.Texture | None = None
+        self._channels = 3
 
     def put(self, picture: NDArray[np.uint8]) -> None:
         """Upload a picture [H, W, 3], or [H, W, 4] with straight alpha."""
-        height, width, channels = picture.shape
+        height, width, self._channels = picture.shape
         texture = self._texture
-        if texture is None or (*texture.size, texture.components) != (width, height, channels):
+        if texture is None or texture.size != (width, height):
             if texture is not None:
                 texture.release()
-            texture = self._texture = self._context.texture((width, height), channels, alignment=1)
+            texture = self._texture = self._context.texture((width, height), 4)
             texture.repeat_x = texture.repeat_y = False
-        texture.write(np.ascontiguousarray(picture))
+        # four bytes a pixel, as textures are kept: a driver takes many times as long to fill up three
+        texture.write(
+            np.ascontiguousarray(picture) if self._channels == 4 else cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA)
+        )
 
     def draw(self, place: Area, screen: tuple[int, int], mirrored: bool) -> None:
         """Draw what was put last into a part of the bound framebuffer of ``screen`` pixels; nothing before that."""
@@ -95,7 +100,7 @@ class PictureOnScreen:
         self._context.viewport = (0, 0, *screen)
         width, height = screen
         bottom = height - place.top - place.height
-        program = self._programs[self._texture.components]
+        program = self._programs[self._channels]
         program["place"].value = (
             2 * place.left / width - 1,
             2 * bottom / height - 1,
@@ -103,11 +108,11 @@ class PictureOnScreen:
             2 * place.height / height,
         )
         program["mirrored"].value = float(mirrored)
-        if self._texture.components == 4:
+        if self._channels == 4:
             program["corner_px"].value = (place.left, bottom)
             program["square_px"].value = SQUARE_PX
         self._texture.use(0)
-        self._quads[self._texture.components].render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._quads[self._channels].render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def close(self) -> None:
         """Release what it holds on the GPU."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import theme
 from .actions import Order
-from .canvas import Canvas
+from .canvas import Box, Canvas, box_of
 from .layout import Layout, Panels, covers, laid_out
 from .picture import Area, PictureOnScreen
 from .state import DeskState
@@ -21,15 +21,19 @@ GRIP_PX = 12.0
 """How near to the split's line the pointer takes it."""
 DEGREES_PER_PX = 0.3
 ZOOM_PER_NOTCH = 0.1
-PANELS_EVERY = 0.08
+PANELS_EVERY = 0.1
 """Seconds between two drawings of panels that nobody touches."""
 
 
 class Screen:
     """The picture and the panels of one GL context. What panels and pointer ask for is collected in ``orders``."""
 
-    def __init__(self, context: moderngl.Context) -> None:
-        """In the thread where ``context`` is current; it may only be used there."""
+    def __init__(self, context: moderngl.Context, kept: bool = False) -> None:
+        """In the thread where ``context`` is current; it may only be used there.
+
+        ``kept``: targets hold what was drawn into them last; where they do not, panels are kept beside them.
+        """
+        self.kept = kept
         self._context = context
         self._picture = PictureOnScreen(context)
         self._gui = imgui.create_context()
@@ -66,31 +70,40 @@ class Screen:
         begin: Callable[[], None] | None = None,
         touched: bool = True,
         density: float = 1.0,
-    ) -> None:
-        """Draw a frame into ``target``.
+        size: tuple[int, int] | None = None,
+    ) -> Box | None:
+        """Draw a frame into ``target``, and give the pixels of it that changed, as far as is known; None for all.
 
         Args:
             view: what panels show.
             target: all of it is drawn.
             begin: tells imgui of pointer and keys.
             touched: whether pointer or keys moved since the last frame. While they did not and nothing lies over the
-                picture, panels are drawn a dozen times a second, the picture each time: a third of the work.
+                picture, panels are drawn ten times a second, the picture each time: a third of the work.
             density: pixels of ``target`` for each unit of the screen, in which panels and pointer are placed.
+            size: width and height of ``target`` in pixels; None: as it says itself, which a window's does not know.
         """
-        size, now = target.size, time.perf_counter()
+        size, now = size or target.size, time.perf_counter()
         touched = self._canvas.fit(size) or touched
         layout = laid_out(view, size[0] / density, size[1] / density)
         shown = layout.picture.fitted(*self._size) if self._size is not None else None
         alike = view.state == self._state and shown == self._shown
-        if not alike or touched or self._covered or now - self._panels_at >= PANELS_EVERY or covers(view):
+        fresh = not alike or touched or self._covered or now - self._panels_at >= PANELS_EVERY or covers(view)
+        if fresh:
             self._state, self._shown, self._panels_at = view.state, shown, now
-            self._canvas.use()
+            if self.kept:
+                target.use()
+            else:
+                self._canvas.use()
             self._draw_panels(view, layout, shown, size, begin, density)
-        under = self._covered or covers(view)
-        place = shown.scaled(density) if shown is not None else None
-        self._canvas.copy(target, around=None if under else place)
-        if place is not None and not under:
+        place = shown.scaled(density) if shown is not None and not (self._covered or covers(view)) else None
+        if self.kept:
+            target.use()
+        else:
+            self._canvas.copy(target, around=place)
+        if place is not None:
             self._picture.draw(place, size, view.state.mirror)
+        return box_of(place, *size) if place is not None and self.kept and not fresh else None
 
     def _draw_panels(
         self,
@@ -101,7 +114,7 @@ class Screen:
         begin: Callable[[], None] | None,
         density: float,
     ) -> None:
-        """Into the canvas: the panels, and below them the picture where they lie over it."""
+        """The panels, and below them the picture where they lie over it."""
         if view.state.ui_scale != self._scale:
             self._scale = view.state.ui_scale
             theme.dress(self._scale)

@@ -62,6 +62,11 @@ class Session:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
 
+    def rouse(self, waker: Callable[[], None]) -> None:
+        """Have ``waker`` called, in whatever thread, when there is a new shot or a picture."""
+        self.driving.rouse(waker)
+        self.stage.rouse(waker)
+
     def obey(self, order: Order) -> None:
         """Do what was asked for."""
         if order.name != "play" or self.driving.transport is None:

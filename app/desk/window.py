@@ -5,7 +5,6 @@ from typing import Any
 
 from imgui_bundle import imgui  # isort: skip (first: it tells glfw which library both use)
 import glfw  # isort: skip
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +12,7 @@ from ...render.contexts import NoOpenGLError, window_context
 from .actions import Order
 from .cleanwindow import CleanWindow
 from .keys import Keymap, keymap
+from .presenter import Presenter
 from .screen import Screen, dropped
 from .view import DeskView
 
@@ -53,8 +53,7 @@ class DeskWindow:
         self._walking = False
         self._modifiers = 0
         self._repeated = False
-        self._front: moderngl.Framebuffer | None = None
-        self._touched = True
+        self._touched = self._open = True
         self._clean: CleanWindow | None = None
         self._placed: tuple[int, int, int, int] | None = None
         glfw.set_window_size_limits(self._window, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
@@ -64,24 +63,32 @@ class DeskWindow:
         glfw.set_window_close_callback(self._window, self._on_close)
         for listen in (glfw.set_cursor_pos_callback, glfw.set_mouse_button_callback, glfw.set_scroll_callback):
             listen(self._window, self._on_touch)
-        self._screen = Screen(self.context)
+        glfw.set_window_refresh_callback(self._window, self._on_touch)
+        # kept, not asked for in every frame: the answer would come from another program, the X server
+        self._size, self._pixels = glfw.get_window_size(self._window), glfw.get_framebuffer_size(self._window)
+        self._minimised = bool(glfw.get_window_attrib(self._window, glfw.ICONIFIED))
+        glfw.set_window_size_callback(self._window, self._on_size)
+        glfw.set_framebuffer_size_callback(self._window, self._on_pixels)
+        glfw.set_window_iconify_callback(self._window, self._on_minimise)
+        self._presenter = Presenter(self._window, self.context.info["GL_RENDERER"])
+        self._screen = Screen(self.context, self._presenter.keeps)
         # imgui calls the callbacks that are there already: it comes last
         imgui.backends.glfw_init_for_opengl(ctypes.cast(self._window, ctypes.c_void_p).value or 0, True)
 
     @property
     def size(self) -> tuple[int, int]:
         """Width and height in screen units."""
-        return glfw.get_window_size(self._window)
+        return self._size
 
     @property
     def content_scale(self) -> float:
         """How much larger than usual the person's desktop draws; 1 where screen units take care of that."""
-        return glfw.get_window_content_scale(self._window)[0] * self.size[0] / max(1, self._pixels()[0])
+        return glfw.get_window_content_scale(self._window)[0] * self.size[0] / max(1, self._pixels[0])
 
     @property
     def visible(self) -> bool:
         """Whether anybody can see it: not while minimised."""
-        return not glfw.get_window_attrib(self._window, glfw.ICONIFIED) and min(self._pixels()) > 0
+        return not self._minimised and min(self._pixels) > 0
 
     def poll(self, wait: float = 0.0) -> list[Order]:
         """What was asked for since the last call, by keys, pointer, panels or dropped files.
@@ -96,6 +103,11 @@ class DeskWindow:
         orders, self._orders = self._orders, []
         return orders
 
+    def wake(self) -> None:
+        """End the wait in ``poll``, or the next one; from any thread, at any time."""
+        if self._open:
+            glfw.post_empty_event()
+
     def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
         """Draw a frame and swap; ``picture`` [H, W, 3|4] stays until another one comes. Nothing while minimised."""
         self.keymap, self._walking = view.keymap, view.state.walking
@@ -106,13 +118,14 @@ class DeskWindow:
             return
         if view.state.full_screen != (glfw.get_window_monitor(self._window) is not None):
             self._fill(view.state.full_screen)
-        surface = self._surface()
-        touched, density = self._touched or bool(self._orders), surface.width / max(1, self.size[0])
-        self._screen.draw(view, surface, imgui.backends.glfw_new_frame, touched, density)
+        touched = self._touched or bool(self._orders) or self._presenter.lost
+        begin, density = imgui.backends.glfw_new_frame, self._pixels[0] / max(1, self.size[0])
+        # moderngl believes a window's framebuffer to have for ever the size it was first seen with
+        changed = self._screen.draw(view, self.context.screen, begin, touched, density, self._pixels)
         self._touched = False
         self._orders += self._screen.orders
         self._screen.orders.clear()
-        glfw.swap_buffers(self._window)
+        self._presenter.present(changed, self._pixels)
 
     def clean(self, picture: NDArray[np.uint8] | None) -> bool:
         """Show the picture in the clean window too; None closes that. False when the person closed it."""
@@ -139,26 +152,15 @@ class DeskWindow:
 
     def close(self) -> None:
         """Close the window."""
+        self._open = False
         self.clean(None)
         imgui.backends.glfw_shutdown()
         self._screen.close()
         glfw.destroy_window(self._window)
         glfw.terminate()
 
-    def _surface(self) -> moderngl.Framebuffer:
-        """The window's framebuffer, which moderngl believes to have the size it was first seen with."""
-        size = self._pixels()
-        if self._front is None or self._front.size != size:
-            self.context.screen.use()
-            self.context.viewport = (0, 0, *size)
-            self._front = self.context.detect_framebuffer(0)
-        return self._front
-
     def _on_touch(self, *_: Any) -> None:
         self._touched = True
-
-    def _pixels(self) -> tuple[int, int]:
-        return glfw.get_framebuffer_size(self._window)
 
     def _fill(self, whole: bool) -> None:
         """Fill the screen, or go back to where the window was."""
@@ -175,6 +177,15 @@ class DeskWindow:
         """Hear the keys of a window."""
         glfw.set_key_callback(window, self._on_key)
         glfw.set_char_callback(window, self._on_character)
+
+    def _on_size(self, window: Any, width: int, height: int) -> None:
+        self._size, self._touched = (width, height), True
+
+    def _on_pixels(self, window: Any, width: int, height: int) -> None:
+        self._pixels, self._touched = (width, height), True
+
+    def _on_minimise(self, window: Any, minimised: int) -> None:
+        self._minimised = bool(minimised)
 
     def _on_close(self, window: Any) -> None:
         self._orders.append(Order("quit"))

@@ -229,6 +229,13 @@ def test_a_real_tracker_survives_everything_a_camera_may_send() -> None:
     assert loop.health.frames == 10
 
 
+def test_every_shot_wakes_the_window(capture: Capture) -> None:
+    woken = threading.Event()
+    capture.rouse(woken.set)
+    assert woken.wait(PATIENCE_SECS)
+    assert capture.newest() is not None
+
+
 def test_of_two_real_faces_the_locked_one_stays_until_the_other_is_asked_for() -> None:
     clock, source = Clock(), Source()
     loop = Loop(avatar(), FaceTracker, clock, lambda _: None, lambda work: work())

@@ -21,3 +21,12 @@ def test_waiting_ends_when_something_comes() -> None:
 def test_nobody_waits_longer_than_asked() -> None:
     box: Mailbox[str] = Mailbox()
     assert box.take(timeout=0.01) is None
+
+
+def test_whoever_does_something_else_meanwhile_is_woken_by_every_item() -> None:
+    box: Mailbox[int] = Mailbox()
+    found: list[int | None] = []
+    box.rouse = lambda: found.append(box.take())
+    box.put(1)
+    box.put(2)
+    assert found == [1, 2]

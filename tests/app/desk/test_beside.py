@@ -42,6 +42,23 @@ def test_what_must_be_done_here_is_done_before_begin_returns() -> None:
     beside.close()
 
 
+def test_whoever_waits_is_woken_when_it_is_done() -> None:
+    beside: Beside[int] = Beside("test")
+    gate, woken = threading.Event(), threading.Event()
+    beside.rouse = woken.set
+
+    def work() -> int:
+        gate.wait(10)
+        return 7
+
+    beside.begin(work, here=False)
+    assert not woken.is_set()
+    gate.set()
+    assert woken.wait(10)
+    assert beside.result() == 7
+    beside.close()
+
+
 def test_what_fails_in_the_other_thread_is_done_again_in_this_one() -> None:
     beside: Beside[int] = Beside("test")
 

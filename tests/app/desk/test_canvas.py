@@ -2,7 +2,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from gemheads.app.desk.canvas import boxes_around
+from gemheads.app.desk.canvas import Box, boxes_around
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.picture import Area
 from gemheads.app.desk.state import DeskState
@@ -68,3 +68,34 @@ def test_a_quick_frame_is_the_same_as_a_whole_one(
     assert len(draws) == before + 2
     assert (quick == whole).all()
     assert (around == whole).all()
+
+
+@pytest.mark.parametrize("mirror", [True, False])
+def test_where_the_screen_keeps_what_was_drawn_only_the_picture_is_drawn_and_named(
+    desk: DeskOffscreen, monkeypatch: pytest.MonkeyPatch, mirror: bool
+) -> None:
+    view = DeskView(state=DeskState(welcome=False, mirror=mirror))
+    first, second = np.random.default_rng(0).integers(0, 255, (2, 64, 64, 3), np.uint8)
+
+    def show(picture: np.ndarray, kept: bool, touched: bool) -> tuple[np.ndarray, Box | None]:
+        desk._screen.kept = kept
+        with desk.context:
+            desk._screen.put(picture)
+            changed = desk._screen.draw(view, desk._target, touched=touched)
+        return desk.pixels(), changed
+
+    desk.show(first, view)  # imgui settles its windows in the first frames
+    desk.show(first, view)
+    monkeypatch.setattr("gemheads.app.desk.screen.PANELS_EVERY", 1e9)
+    wanted, everything = show(second, kept=False, touched=True)
+    assert everything is None
+    before, everything = show(first, kept=True, touched=True)
+    assert everything is None
+    drawn, changed = show(second, kept=True, touched=False)
+    assert (drawn == wanted).all()
+    assert changed is not None
+    left, bottom, width, height = changed
+    outside = np.ones(drawn.shape[:2], bool)
+    outside[600 - bottom - height : 600 - bottom, left : left + width] = False
+    assert (drawn == before)[outside].all()
+    assert (drawn != before)[~outside].any()

@@ -9,7 +9,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
+from gemheads.app.desk.offscreen import DeskOffscreen
+from gemheads.app.desk.state import DeskState
+from gemheads.app.desk.view import DeskView
 from sealed import seal
 
 REASON = "needs Xvfb and xdotool (Debian: apt-get install xvfb xdotool)"
@@ -162,6 +166,63 @@ def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
     print(f"closed after {seconds:.2f} s")
     assert seconds < 3  # under a second on an idle machine; this one may be busy
     assert "tiny.gem" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
+
+
+RESIZED = """
+import sys, time
+import glfw
+import numpy as np
+from gemheads.app.bench_screen import XWindowReader
+from gemheads.app.desk import presenter
+from gemheads.app.desk.state import DeskState
+from gemheads.app.desk.view import DeskView
+from gemheads.app.desk.window import TITLE, DeskWindow
+
+if sys.argv[1] == "swapped":
+    presenter.SOFTWARE = ()
+desk, view = DeskWindow((640, 480)), DeskView(state=DeskState(welcome=False))
+pictures = np.random.default_rng(0).integers(0, 255, (2, 64, 64, 3), np.uint8)
+
+def show(seconds):
+    end = time.perf_counter() + seconds
+    while time.perf_counter() < end:
+        desk.poll(0.005)
+        for picture in pictures:
+            desk.show(picture, view)
+
+show(0.3)
+for path in sys.argv[2:]:
+    width, height = (int(side) for side in path.split("/")[-1].split(".")[0].split("x"))
+    glfw.set_window_size(desk._window, width, height)
+    show(1.0)
+    assert desk.size == (width, height), desk.size
+    reader = XWindowReader(TITLE)
+    rows = [reader.row(np.arange(width), row) for row in range(height)]
+    np.save(path, np.stack(rows))
+desk.close()
+"""
+
+
+@driven
+@pytest.mark.parametrize("way", ["swapped", "copied"])
+def test_a_window_of_another_size_shows_what_it_shows_when_it_is_opened_in_that_size(
+    display: str, tmp_path: Path, way: str
+) -> None:
+    """Every pixel as the X server has it, whether buffers are swapped or only their changes are copied."""
+    sizes = [(1000, 700), (520, 600), (1280, 900)]
+    paths = [tmp_path / f"{width}x{height}.npy" for width, height in sizes]
+    command = [sys.executable, "-c", seal() + RESIZED, way, *map(str, paths)]
+    subprocess.run(command, env={**os.environ, "DISPLAY": display}, timeout=120, check=True)
+    view = DeskView(state=DeskState(welcome=False))
+    picture = np.random.default_rng(0).integers(0, 255, (2, 64, 64, 3), np.uint8)[1]
+    for size, path in zip(sizes, paths, strict=True):
+        desk = DeskOffscreen(size)
+        for _ in range(3):  # imgui settles its windows in the first frames
+            desk.show(picture, view)
+        wanted = desk.pixels()[..., 1]
+        desk.close()
+        unlike = np.abs(np.load(path).astype(int) - wanted) > 3
+        assert unlike.mean() < 0.002, f"{100 * unlike.mean():.1f} % of the pixels at {size}"
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems always have a display")
