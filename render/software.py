@@ -11,6 +11,7 @@ from .camera import Camera
 from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
+from .sharing import fetch_add
 from .sorting import front_to_back
 from .tiles import (
     LOG256_E,
@@ -29,8 +30,12 @@ _F = np.float32
 _LOG256_E = _F(LOG256_E)
 _RUN = 16
 """So many splats are drawn before a tile asks again through which of its rows light still gets."""
+_SPLATS, _TILES = 512, 8
+"""So many a thread takes at once."""
 _RECORD = 10
 """Numbers that are kept of a projected splat."""
+_EXACT = {"contract", "reassoc", "arcp", "nsz"}
+"""fastmath that knows of NaN and infinity."""
 
 
 class SoftwareEngine:
@@ -58,7 +63,7 @@ class SoftwareEngine:
         The array belongs to the engine and is overwritten by the next frame. Splats that are not finite or absurdly
         large are left out, as are those nearer than ``projection.NEAR``.
         """
-        started = time.perf_counter()
+        started, threads = time.perf_counter(), numba.get_num_threads()
         self._fit(len(raw), camera)
         raw = packed(raw)
         matrix = camera.world_to_camera.astype(np.float32)
@@ -72,6 +77,7 @@ class SoftwareEngine:
             self._records,
             self._spans,
             self._depths,
+            threads,
         )
         projected = time.perf_counter()
         visible = front_to_back(self._depths, self._orders)
@@ -82,7 +88,7 @@ class SoftwareEngine:
         if ends[-1] > len(self._pairs):
             self._pairs = np.empty(int(ends[-1] * 1.3), np.int32)
         fill_pairs(self._orders[0], visible, self._spans, columns, ends, self._pairs)
-        _rasterise(self._pairs, ends, self._records, raw.colors, columns, rows, self._image)
+        _rasterise(self._pairs, ends, self._records, raw.colors, columns, rows, self._image, threads)
         drawn = time.perf_counter()
         self.timings = {"project": projected - started, "sort": sorted_ - projected, "draw": drawn - sorted_}
         return self._image
@@ -94,11 +100,11 @@ class SoftwareEngine:
         ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
         doubles = numba.types.Array(numba.float64, 1, "C")
         signatures = (
-            (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles)),
+            (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles, whole)),
             (front_to_back, (doubles, ints)),
             (count_pairs, (doubles, ints, whole, whole, ends)),
             (fill_pairs, (pairs, whole, ints, whole, ends, pairs)),
-            (_rasterise, (pairs, ends, triple, triple, whole, whole, wide)),
+            (_rasterise, (pairs, ends, triple, triple, whole, whole, wide, whole)),
         )
         for kernel, types in signatures:
             _compile(kernel, types)
@@ -120,12 +126,27 @@ def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
     kernel.compile(types)  # what njit returns has no type that a checker knows
 
 
-@numba.njit(cache=True, parallel=True, fastmath={"contract", "reassoc", "arcp", "nsz"}, error_model="numpy")
-def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
-    """Activation and EWA projection. A record: centre x y, conic a b c in powers of 256,
-    opacity, and what ``reached_rows`` needs. A span: first and last column and row of tiles. Depth 0 is out."""
+@numba.njit(cache=True, parallel=True, fastmath=_EXACT, error_model="numpy")
+def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths, threads):
+    """``_project_some`` for all splats."""
+    counter = np.zeros(1, np.int64)
+    for _ in numba.prange(threads):
+        first = fetch_add(counter, _SPLATS)
+        while first < len(positions):
+            last = min(first + _SPLATS, len(positions))
+            _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths)
+            first = fetch_add(counter, _SPLATS)
+
+
+@numba.njit(cache=True, fastmath=_EXACT, error_model="numpy", inline="always")
+def _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
+    """Activation and EWA projection of the splats from ``first`` to before ``last``.
+
+    A record: centre x y, conic a b c in powers of 256, opacity, and what ``reached_rows`` needs. A span: first and last
+    column and row of tiles. Depth 0 is out.
+    """
     fx, fy, cx, cy, width, height = lens[0], lens[1], lens[2], lens[3], lens[4], lens[5]
-    for i in numba.prange(len(positions)):
+    for i in range(first, last):
         depths[i] = 0
         px, py, pz = positions[i, 0], positions[i, 1], positions[i, 2]
         if not is_sane(positions[i], wxyz[i], log_scales[i], logits[i]):
@@ -208,58 +229,69 @@ def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, sp
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True, error_model="numpy")
-def _rasterise(pairs, ends, records, colors, columns, rows, image):
-    height, width = image.shape[:2]
+def _rasterise(pairs, ends, records, colors, columns, rows, image, threads):
+    """``_draw_tile`` for all tiles."""
     tiles = columns * rows
-    for turn in numba.prange(tiles):
-        tile = tile_of(turn, tiles)
-        x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
-        # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
-        state = aligned(TILE, 4 * TILE)
-        for y in range(TILE):
-            for x in range(4 * TILE):
-                state[y, x] = 0
-            for x in range(TILE):
-                state[y, x] = 1
-        first, last = 0, TILE - 1
-        reached = np.empty((_RUN, 2), np.int32)
-        for begin in range(ends[tile], ends[tile + 1], _RUN):
-            first, last = lit_rows(state, first, last)
-            if first > last:
-                break
-            count = min(_RUN, ends[tile + 1] - begin)
-            # for a run at once: the rows of the next splat are known before they are needed
-            for k in range(count):
-                i = pairs[begin + k]
-                dx0, dy0 = _F(x0) + _F(0.5) - records[i, 0], _F(y0) + _F(0.5) - records[i, 1]
-                top, bottom = reached_rows(dx0, dy0, records[i, 6:])
-                reached[k, 0], reached[k, 1] = max(top, first), min(bottom, last)
-            for k in range(count):
-                i = pairs[begin + k]
-                cx, cy, a, b, c, opacity = (
-                    records[i, 0],
-                    records[i, 1],
-                    records[i, 2],
-                    records[i, 3],
-                    records[i, 4],
-                    records[i, 5],
-                )
-                dx0 = _F(x0) + _F(0.5) - cx
-                r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
-                for y in range(reached[k, 0], reached[k, 1] + 1):
-                    dy = _F(y0 + y) + _F(0.5) - cy
-                    e0, e1 = c * dy * dy, b * dy
-                    for x in range(TILE):
-                        dx = dx0 + _F(x)
-                        peak = opacity * power_of_256(e0 + dx * (e1 + a * dx))
-                        weight = (min(peak, ALPHA_MAX) if peak >= ALPHA_MIN else _F(0)) * state[y, x]
-                        state[y, x] -= weight
-                        state[y, TILE + x] += weight * r
-                        state[y, 2 * TILE + x] += weight * g
-                        state[y, 3 * TILE + x] += weight * bl
-        for y in range(min(TILE, height - y0)):
-            for x in range(min(TILE, width - x0)):
-                image[y0 + y, x0 + x, 0] = state[y, TILE + x]
-                image[y0 + y, x0 + x, 1] = state[y, 2 * TILE + x]
-                image[y0 + y, x0 + x, 2] = state[y, 3 * TILE + x]
-                image[y0 + y, x0 + x, 3] = _F(1) - state[y, x]
+    counter = np.zeros(1, np.int64)
+    for _ in numba.prange(threads):
+        first = fetch_add(counter, _TILES)
+        while first < tiles:
+            for turn in range(first, min(first + _TILES, tiles)):
+                _draw_tile(tile_of(turn, tiles), pairs, ends, records, colors, columns, image)
+            first = fetch_add(counter, _TILES)
+
+
+@numba.njit(cache=True, fastmath=True, error_model="numpy", inline="always")
+def _draw_tile(tile, pairs, ends, records, colors, columns, image):
+    """Write the pixels of one tile: its splats from front to back, until no light is left."""
+    height, width = image.shape[:2]
+    x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
+    # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
+    state = aligned(TILE, 4 * TILE)
+    for y in range(TILE):
+        for x in range(4 * TILE):
+            state[y, x] = 0
+        for x in range(TILE):
+            state[y, x] = 1
+    first, last = 0, TILE - 1
+    reached = np.empty((_RUN, 2), np.int32)
+    for begin in range(ends[tile], ends[tile + 1], _RUN):
+        first, last = lit_rows(state, first, last)
+        if first > last:
+            break
+        count = min(_RUN, ends[tile + 1] - begin)
+        # for a run at once: the rows of the next splat are known before they are needed
+        for k in range(count):
+            i = pairs[begin + k]
+            dx0, dy0 = _F(x0) + _F(0.5) - records[i, 0], _F(y0) + _F(0.5) - records[i, 1]
+            top, bottom = reached_rows(dx0, dy0, records[i, 6:])
+            reached[k, 0], reached[k, 1] = max(top, first), min(bottom, last)
+        for k in range(count):
+            i = pairs[begin + k]
+            cx, cy, a, b, c, opacity = (
+                records[i, 0],
+                records[i, 1],
+                records[i, 2],
+                records[i, 3],
+                records[i, 4],
+                records[i, 5],
+            )
+            dx0 = _F(x0) + _F(0.5) - cx
+            r, g, bl = colors[i, 0], colors[i, 1], colors[i, 2]
+            for y in range(reached[k, 0], reached[k, 1] + 1):
+                dy = _F(y0 + y) + _F(0.5) - cy
+                e0, e1 = c * dy * dy, b * dy
+                for x in range(TILE):
+                    dx = dx0 + _F(x)
+                    peak = opacity * power_of_256(e0 + dx * (e1 + a * dx))
+                    weight = (min(peak, ALPHA_MAX) if peak >= ALPHA_MIN else _F(0)) * state[y, x]
+                    state[y, x] -= weight
+                    state[y, TILE + x] += weight * r
+                    state[y, 2 * TILE + x] += weight * g
+                    state[y, 3 * TILE + x] += weight * bl
+    for y in range(min(TILE, height - y0)):
+        for x in range(min(TILE, width - x0)):
+            image[y0 + y, x0 + x, 0] = state[y, TILE + x]
+            image[y0 + y, x0 + x, 1] = state[y, 2 * TILE + x]
+            image[y0 + y, x0 + x, 2] = state[y, 3 * TILE + x]
+            image[y0 + y, x0 + x, 3] = _F(1) - state[y, x]

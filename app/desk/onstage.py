@@ -21,7 +21,7 @@ from . import explore
 from .beside import Beside
 from .loader import Loader, Refused
 from .measuring import Measuring, megabytes
-from .painter import KERNELS, Image, Painter, beside_the_tracker
+from .painter import KERNELS, Image, Painter
 from .roster import Roster
 from .state import DeskState
 from .view import AvatarFacts, Curve
@@ -140,9 +140,7 @@ class OnStage:
                 self.shot = None
                 self.roster = self.roster.staged(avatar.path)
                 if self._painter is None:
-                    with beside_the_tracker():  # measured, and named, as it will draw
-                        engine = self._open_engine()
-                    self._painter = Painter(engine, self._size, self._watch)
+                    self._painter = Painter(self._open_engine(), self._size, self._watch)
         fits = shot is not None and self.avatar is not None and shot.avatar == self.avatar.sha256
         if not fits or (frozen and self.shot is not None):
             return None, changed

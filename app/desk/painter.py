@@ -1,10 +1,8 @@
 """From a pose and the state of the desk to the picture: what the window and all outputs show."""
 
 import threading
-from contextlib import AbstractContextManager
 from dataclasses import replace
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +12,6 @@ from ...render.engines import Engine
 from ..live import Stage, draw
 from ..performance import Pose
 from ..portrait import portrait
-from ..threads import at_most
 from ..timing import Stopwatch
 from ..words import read_colour
 from .compare import decibels, heat, joined
@@ -39,11 +36,6 @@ def camera_of(gem: Gem, state: DeskState, width: int, height: int) -> Camera:
     return replace(camera, fx=camera.fx * state.zoom, fy=camera.fy * state.zoom)
 
 
-def beside_the_tracker() -> AbstractContextManager[None]:
-    """Drawing on all cores but one: the tracker has that, or both wait for each other."""
-    return at_most(numba.get_num_threads() - 1)
-
-
 class Painter:
     """Draws one avatar by one engine, a picture at a time."""
 
@@ -63,13 +55,13 @@ class Painter:
         """
         if state.curtain:
             return np.full((self.size[1], self.size[0], 3), CURTAIN, np.uint8)
-        with KERNELS, beside_the_tracker():
+        with KERNELS:
             return draw(self._staged(gem, state, components, scale), pose)
 
     def comparison(self, pose: Pose, state: DeskState, used: Image) -> Image:
         """What the window shows while A and B are compared, after ``picture`` drew B, which is ``used``."""
         assert self._whole is not None
-        with KERNELS, beside_the_tracker():
+        with KERNELS:
             whole = draw(self._whole, pose)
         self.error_db = decibels(whole, used)
         other = heat(whole, used) if state.error_map else used

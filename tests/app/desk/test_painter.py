@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import numba
 import numpy as np
 import pytest
-from gemheads.app.desk.painter import Painter, beside_the_tracker
+from gemheads.app.desk.painter import Painter
 from gemheads.app.desk.state import DeskState
 from gemheads.app.library import find_avatar
 from gemheads.app.performance import Pose
@@ -39,9 +39,7 @@ def cores(count: int) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("count", [1, 2])
-def test_live_drawing_leaves_a_core_to_the_tracker_and_composing_takes_one(
-    count: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_drawing_takes_all_cores_and_composing_one(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     gem = load_gem(find_avatar("mara"))
     composed, sound = [], Gem.compose
 
@@ -51,13 +49,11 @@ def test_live_drawing_leaves_a_core_to_the_tracker_and_composing_takes_one(
 
     pose = Pose(gem.rest_coefficients, np.zeros(3, np.float32))
     with cores(count):
-        with beside_the_tracker():
-            engine = Watched()
+        engine = Watched()
         painter = Painter(engine, (64, 64), Stopwatch())
         painter.picture(gem, pose, DeskState(), gem.components)  # what a stage holds is made with its first picture
         monkeypatch.setattr(Gem, "compose", compose)
         painter.picture(gem, pose, DeskState(), gem.components)
         assert numba.get_num_threads() == count
-    drawn = max(1, count - 1)
-    assert (engine.threads, composed) == (drawn, [1])
-    assert engine.description == f"numba tiles on {drawn} thread" + "s" * (drawn > 1)
+    assert (engine.threads, composed) == (count, [1])
+    assert engine.description == f"numba tiles on {count} thread" + "s" * (count > 1)
