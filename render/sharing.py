@@ -20,5 +20,5 @@ def _fetch_add(typing: Any, counter: Any, step: Any) -> Any:
 
 
 fetch_add: Any = intrinsic(_fetch_add)
-"""fetch_add(counter, step), in kernels: ``counter`` int64 [1] before ``step`` was added to it, at one stroke, so that no
+"""``fetch_add(counter, step)``, in kernels: ``counter`` int64 [1] before ``step`` was added to it, at one stroke: no
 two threads get the same number."""

@@ -15,16 +15,20 @@ MAX_WIDTH = 2**16
 """Numbers in a row: a regressor has 500."""
 MAX_WORK = 2**25
 """Products of numbers in one run: a regressor has 200,000."""
+MAX_WIDENED = 2**22
+"""Numbers that are kept in float16 and made float32: a regressor has 600,000."""
 ROW_BY_ROW = frozenset("Add Div Identity Max Min Mul Neg Pow Relu Sigmoid Softplus Sqrt Sub Tanh".split())
 """Operators on each number by itself, or on pairs of them."""
 _WITH_CONSTANTS = frozenset("Clip Slice".split())
 _PRODUCTS = frozenset("MatMul Gemm".split())
-OPERATORS = ROW_BY_ROW | _WITH_CONSTANTS | _PRODUCTS | {"Concat"}
+OPERATORS = ROW_BY_ROW | _WITH_CONSTANTS | _PRODUCTS | {"Concat", "Cast"}
 """All operators that a graph may have."""
 _GRAPH_NODE, _GRAPH_INITIALIZER, _GRAPH_INPUT = 1, 5, 11
 _NODE_INPUT, _NODE_OUTPUT, _NODE_TYPE, _NODE_ATTRIBUTE = 1, 2, 4, 5
 _ATTRIBUTE_NAME, _ATTRIBUTE_INT = 1, 3
-_TENSOR_DIMS, _TENSOR_NAME, _VALUE_NAME = 1, 8, 1
+_TENSOR_DIMS, _TENSOR_TYPE, _TENSOR_NAME, _VALUE_NAME = 1, 2, 8, 1
+_FLOAT, _FLOAT16 = 1, 10
+"""Of TensorProto.DataType."""
 
 
 @dataclass(frozen=True)
@@ -45,20 +49,33 @@ def check_rows(graph: memoryview, input_width: int) -> None:
 
     Raises ValueError saying which node is not so.
     """
-    constants = dict(_constants(graph))
+    tensors = list(_constants(graph))
+    constants = {name: dims for name, dims, _ in tensors}
+    halves = {name for name, _, kind in tensors if kind == _FLOAT16}
+    if len(constants) < len(tensors):
+        raise ValueError("its ONNX graph has two constants of one name")
     inputs = {name for name, _ in _named(graph, _GRAPH_INPUT, _VALUE_NAME)}
     if inputs & set(constants):
         raise ValueError("its ONNX graph has an input that is a constant too")
     widths = dict.fromkeys(inputs, input_width)
-    work = 0
+    work = widened = 0
     for node in _nodes(graph):
         where = f"its ONNX graph: {node.operator} of {', '.join(node.inputs)[:60]}"
         rows = [widths[name] for name in node.inputs if name in widths]
         others = [constants[name] for name in node.inputs if name in constants]
-        if len(rows) + len(others) != sum(map(bool, node.inputs)) or not rows or len(node.outputs) != 1:
+        known = len(rows) + len(others) == sum(map(bool, node.inputs)) and (rows or node.operator == "Cast")
+        if not known or len(node.outputs) != 1:
             raise ValueError(f"{where} is not one row of what was there before")
         if set(node.outputs) & (set(widths) | set(constants)):
             raise ValueError(f"{where} gives a name that is taken")
+        if node.operator == "Cast":
+            if rows or len(others) != 1 or node.inputs[0] not in halves or node.numbers.get("to") != _FLOAT:
+                raise ValueError(f"{where} is no constant of float16 made float32")
+            widened += prod(others[0])
+            if min(others[0], default=0) < 0 or widened > MAX_WIDENED:
+                raise ValueError(f"{where} is more than a regressor needs: {widened} numbers made float32")
+            constants[node.outputs[0]] = others[0]
+            continue
         if node.operator in _PRODUCTS:
             width = _product(node, widths, constants, where)
             work += prod(constants[node.inputs[1]])
@@ -95,10 +112,10 @@ def _product(node: _Node, widths: dict[str, int], constants: dict[str, tuple[int
     return max(constants[second])
 
 
-def _constants(graph: memoryview) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Name and dimensions of every initialiser."""
+def _constants(graph: memoryview) -> Iterator[tuple[str, tuple[int, ...], int]]:
+    """Name, dimensions and type of every initialiser."""
     for name, tensor in _named(graph, _GRAPH_INITIALIZER, _TENSOR_NAME):
-        yield name, tuple(_integers(tensor, _TENSOR_DIMS))
+        yield name, tuple(_integers(tensor, _TENSOR_DIMS)), next(_integers(tensor, _TENSOR_TYPE), 0)
 
 
 def _nodes(graph: memoryview) -> Iterator[_Node]:

@@ -121,7 +121,7 @@ def capture_regressor(
         return total
 
     descend(network, loss, effort.steps, progress)
-    learned = replace(gem, regressor=export_onnx(network))
+    learned = replace(gem, regressor=export_onnx([network]))
     if judged is None or others is None or before is None:
         return CaptureRegressor(learned, neutral, sightings, cameras, None, None)
     return CaptureRegressor(learned, neutral, sightings, cameras, others.r2, (before, judged.mismatch()))

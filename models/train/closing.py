@@ -1,6 +1,6 @@
 """The closed loop as a loss: what is read on a person shall be read on the avatar that repeats it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import torch
 from torch import Tensor, nn
@@ -26,16 +26,17 @@ class ClosedLoop:
         """``own``: the avatar, whose weights are known; ``people``: whom to follow."""
         self._network, self._responses = network, (own.response, *own.doubters)
         self._wanted, self._known = torch.from_numpy(people.wanted), torch.from_numpy(own.seen.weights)
-        self._people = network.inputs(torch.from_numpy(people.features), torch.from_numpy(people.rotations))
+        self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
+        self._people = network.inputs(*self._seen)
         self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.rotations))
         still = torch.zeros(1, own.seen.weights.shape[1])
         self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
 
-    def mismatch(self) -> float:
+    def mismatch(self, members: Sequence[RegressorNetwork] = ()) -> float:
         """Mean Huber distance of the avatar's channels from what the people's would read from the front, in tolerances;
-        the mean of what all responses say."""
+        the mean of what all responses say. ``members``: networks whose mean answer counts, instead of the one."""
         with torch.no_grad():
-            weights = self._network.bounded(self._network.steered(*self._people))
+            weights = torch.stack([one.weights(*self._seen) for one in members or (self._network,)]).mean(0)
             got = [self._shown(weights, one) for one in range(len(self._responses))]
             misses = [nn.functional.huber_loss(read, self._wanted, delta=HUBER) for read in got]
             return float(torch.stack(misses).mean())

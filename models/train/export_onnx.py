@@ -1,80 +1,123 @@
-"""Writes a RegressorNetwork as one self-contained ONNX graph, by hand: the same bytes from the same weights."""
+"""Writes RegressorNetworks as one self-contained ONNX graph, by hand: the same bytes from the same weights."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import onnx
-from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
 
-from ..driver.features import FEATURE_VERSION, SCORES
+from ..driver.features import DIMENSION, FEATURE_VERSION, SCORES
 from ..driver.regressor import VERSION_KEY
 from .network import KAPPA_LIMIT, RegressorNetwork
 
 OPSET = 17
 INPUTS = ("relative_features", "head_rotation")
 OUTPUT = "coefficients"
+SHARED = ("lower", "upper", "rest", "to_coefficients", "limit")
+"""Buffers that are the avatar's: the same in all its networks."""
 
 
-def export_onnx(network: RegressorNetwork) -> bytes:
+def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     """The graph: float32 ``relative_features`` [1, D] and ``head_rotation`` [1, 3] (radians) in, ``coefficients``
-    [1, coefficients] out, already inside +-3 sigma. Operators: Sub MatMul Min Max Slice Concat Gemm Relu Tanh
-    Mul Add Div."""
-    nodes: list[onnx.NodeProto] = []
-    constants: list[onnx.TensorProto] = []
-    tensors = {name: tensor.detach().cpu().numpy() for name, tensor in network.state_dict().items()}
+    [1, coefficients] out, already inside +-3 sigma. Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Tanh Mul
+    Add Div.
 
-    def constant(name: str, array: ArrayLike) -> str:
-        constants.append(numpy_helper.from_array(np.asarray(array, np.float32), name))
-        return name
-
-    def place(name: str, index: int) -> str:
-        constants.append(numpy_helper.from_array(np.array([index], np.int64), name))
-        return name
-
-    def node(operator: str, *inputs: str, **attributes: int) -> str:
-        output = f"{operator.lower()}_{len(nodes)}"
-        made = helper.make_node(operator, list(inputs), [output], name=output)
-        made.attribute.extend(helper.make_attribute(name, value) for name, value in attributes.items())
-        nodes.append(made)
-        return output
-
-    def clipped(value: str, lower: str, upper: str) -> str:
-        return node("Min", node("Max", value, lower), upper)
-
+    Args:
+        members: networks for the same avatar; the mean of the control weights that they answer counts. What they
+            learned is kept in float16.
+    """
+    graph = _Graph()
     features, rotation = INPUTS
-    lower, upper = constant("lower", tensors["lower"]), constant("upper", tensors["upper"])
-    centred = node("Sub", features, constant("feature_mean", tensors["feature_mean"]))
-    kappa = node("MatMul", centred, constant("projection", tensors["projection"]))
-    bound = np.float32(KAPPA_LIMIT)
-    kappa = clipped(kappa, constant("kappa_lower", -bound), constant("kappa_upper", bound))
-    scores = node("Slice", features, place("first", SCORES.start), place("behind", SCORES.stop), place("axis", 1))
-    start = clipped(node("MatMul", scores, constant("start", tensors["start"])), lower, upper)
-    hidden = node("Concat", kappa, rotation, start, axis=1)
-    indices = sorted({int(name.split(".")[1]) for name in tensors if name.startswith("layers.")})
-    for position, index in enumerate(indices):
-        weight = constant(f"weight_{position}", tensors[f"layers.{index}.weight"])
-        bias = constant(f"bias_{position}", tensors[f"layers.{index}.bias"])
-        hidden = node("Gemm", hidden, weight, bias, transB=1)
-        if index != indices[-1]:
-            hidden = node("Relu", hidden)
-    moved = node("Mul", node("Tanh", hidden), constant("reach", tensors["reach"]))
-    weights = clipped(node("Add", start, moved), lower, upper)
-    offset = node("MatMul", weights, constant("to_coefficients", tensors["to_coefficients"]))
-    free = node("Add", offset, constant("rest", tensors["rest"]))
-    limit = constant("limit", tensors["limit"])
-    squashed = node("Tanh", node("Div", free, limit))
-    nodes.append(helper.make_node("Mul", [squashed, limit], [OUTPUT], name=OUTPUT))
-    graph = helper.make_graph(
-        nodes,
+    shared = {name: getattr(members[0], name).cpu().numpy() for name in SHARED}
+    answers = [_answer(graph, f"member_{number}_", member, shared) for number, member in enumerate(members)]
+    total = answers[0]
+    for answer in answers[1:]:
+        total = graph.node("Add", total, answer)
+    weights = graph.node("Mul", total, graph.constant("share", np.float32(1 / len(members))))
+    offset = graph.node("MatMul", weights, graph.constant("to_coefficients", shared["to_coefficients"]))
+    free = graph.node("Add", offset, graph.constant("rest", shared["rest"]))
+    limit = graph.constant("limit", shared["limit"])
+    squashed = graph.node("Tanh", graph.node("Div", free, limit))
+    graph.nodes.append(helper.make_node("Mul", [squashed, limit], [OUTPUT], name=OUTPUT))
+    made = helper.make_graph(
+        graph.nodes,
         "regressor",
         [
-            helper.make_tensor_value_info(features, TensorProto.FLOAT, [1, len(tensors["feature_mean"])]),
+            helper.make_tensor_value_info(features, TensorProto.FLOAT, [1, DIMENSION]),
             helper.make_tensor_value_info(rotation, TensorProto.FLOAT, [1, 3]),
         ],
-        [helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, [1, len(tensors["rest"])])],
-        constants,
+        [helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, [1, len(shared["rest"])])],
+        graph.constants,
     )
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="gemheads")
+    model = helper.make_model(made, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="gemheads")
     model.ir_version = 8
     helper.set_model_props(model, {VERSION_KEY: str(FEATURE_VERSION)})
     onnx.checker.check_model(model)
     return model.SerializeToString(deterministic=True)
+
+
+class _Graph:
+    """Nodes and constants as they come; equal constants are kept once."""
+
+    def __init__(self) -> None:
+        self.nodes: list[onnx.NodeProto] = []
+        self.constants: list[onnx.TensorProto] = []
+        self._kept: dict[tuple[str, tuple[int, ...], bytes], str] = {}
+
+    def constant(self, name: str, array: NDArray[Any] | np.generic) -> str:
+        """Its name; float32, or whole numbers."""
+        key = (str(array.dtype), array.shape, array.tobytes())
+        if key not in self._kept:
+            self._kept[key] = name
+            self.constants.append(numpy_helper.from_array(np.asarray(array), name))
+        return self._kept[key]
+
+    def learned(self, name: str, array: NDArray[np.float32]) -> str:
+        """Kept in float16; used in float32. Raises ValueError for numbers beyond its range."""
+        with np.errstate(over="ignore"):
+            half = array.astype(np.float16)
+        if not np.isfinite(half).all():
+            raise ValueError(f"{name} is beyond what float16 can say; train again with another seed")
+        return self.node("Cast", self.constant(name, half), to=TensorProto.FLOAT)
+
+    def node(self, operator: str, *inputs: str, **attributes: int) -> str:
+        """The name of its output."""
+        output = f"{operator.lower()}_{len(self.nodes)}"
+        made = helper.make_node(operator, list(inputs), [output], name=output)
+        made.attribute.extend(helper.make_attribute(name, value) for name, value in attributes.items())
+        self.nodes.append(made)
+        return output
+
+    def clipped(self, value: str, lower: str, upper: str) -> str:
+        """Between two constants."""
+        return self.node("Min", self.node("Max", value, lower), upper)
+
+
+def _answer(graph: _Graph, prefix: str, member: RegressorNetwork, shared: Mapping[str, NDArray[np.float32]]) -> str:
+    """The control weights [1, E] that one network answers; what all have in common is ``shared``."""
+    own = {name: tensor.detach().cpu().numpy() for name, tensor in member.state_dict().items()}
+    if any((own[name] != array).any() for name, array in shared.items()):
+        raise ValueError("these networks are for different avatars")
+    features, rotation = INPUTS
+    lower, upper = graph.constant("lower", shared["lower"]), graph.constant("upper", shared["upper"])
+    centred = graph.node("Sub", features, graph.constant(f"{prefix}feature_mean", own["feature_mean"]))
+    kappa = graph.node("MatMul", centred, graph.learned(f"{prefix}projection", own["projection"]))
+    bound = np.float32(KAPPA_LIMIT)
+    kappa = graph.clipped(kappa, graph.constant("kappa_lower", -bound), graph.constant("kappa_upper", bound))
+    first, behind, axis = (np.array([place], np.int64) for place in (SCORES.start, SCORES.stop, 1))
+    ends = (graph.constant("first", first), graph.constant("behind", behind), graph.constant("axis", axis))
+    scores = graph.node("Slice", features, *ends)
+    start = graph.node("MatMul", scores, graph.constant(f"{prefix}start", own["start"]))
+    start = graph.clipped(start, lower, upper)
+    hidden = graph.node("Concat", kappa, rotation, start, axis=1)
+    indices = sorted({int(name.split(".")[1]) for name in own if name.startswith("layers.")})
+    for position, index in enumerate(indices):
+        weight = graph.learned(f"{prefix}weight_{position}", own[f"layers.{index}.weight"])
+        bias = graph.learned(f"{prefix}bias_{position}", own[f"layers.{index}.bias"])
+        hidden = graph.node("Gemm", hidden, weight, bias, transB=1)
+        if index != indices[-1]:
+            hidden = graph.node("Relu", hidden)
+    moved = graph.node("Mul", graph.node("Tanh", hidden), graph.constant(f"{prefix}reach", own["reach"]))
+    return graph.clipped(graph.node("Add", start, moved), lower, upper)

@@ -2,7 +2,7 @@
 
 F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
-The first g acts before the tracker; F is learned again with these pictures, too, and a second g is trained and ships.
+The first g acts before the tracker; F is learned again with these pictures, too, and a committee of new ones ships.
 """
 
 from collections.abc import Callable, Sequence
@@ -42,6 +42,9 @@ STRANGERS = 0.6
 RESPONSES = 3
 """So many models of the avatar's response, each learned with random numbers of its own, judge the regressor in turn: it
 would find out where a single one errs. Of strangers, one says what to do."""
+COMMITTEE = 3
+"""So many networks ship, each trained from random numbers of its own; the mean of their answers counts, in which what
+only one of them sees in a face it never saw is a third."""
 SERIES = 500
 """Pictures are drawn in series of so many, each with random numbers of its own."""
 Progress = Callable[[str, int, int], None]
@@ -128,9 +131,9 @@ def regressor_for(
     own = joined([own, acted])
     avatar, r2 = person_of(own, steps, seed, RESPONSES)
     school = _School(controls, [avatar, *others], footage, rng)
-    before = school.mismatch(RegressorNetwork(school.pca, controls))
-    network = school.network(steps, seed, progress)
-    return export_onnx(network), TrainingReport(len(own), r2, before, school.mismatch(network))
+    before = school.mismatch([RegressorNetwork(school.pca, controls)])
+    members = [school.network(steps, seed + one, progress) for one in range(COMMITTEE)]
+    return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
 class _School:
@@ -154,9 +157,9 @@ class _School:
         descend(network, ClosedLoop(network, self._cast[0], self._crowd).loss, steps, progress)
         return network
 
-    def mismatch(self, network: RegressorNetwork) -> float:
-        """On people held out of training."""
-        return ClosedLoop(network, self._cast[0], self._judges).mismatch()
+    def mismatch(self, members: Sequence[RegressorNetwork]) -> float:
+        """Of the mean of their answers, on people held out of training."""
+        return ClosedLoop(members[0], self._cast[0], self._judges).mismatch(members)
 
 
 def feature_pca(features: NDArray[np.float32]) -> FeaturePca:

@@ -100,12 +100,17 @@ def test_constants_that_double_themselves_while_the_file_is_opened() -> None:
         (helper.make_node("Identity", ["nobody"], ["answer"]), "what was there before"),
         (helper.make_node("Identity", [FEATURES_INPUT], ["row"]), "a name that is taken"),
         (helper.make_node("Identity", [FEATURES_INPUT], ["answer", "more"]), "what was there before"),
+        (helper.make_node("Cast", [FEATURES_INPUT], ["answer"], to=TensorProto.FLOAT), "no constant of float16"),
+        (helper.make_node("Cast", ["row"], ["answer"], to=TensorProto.FLOAT), "no constant of float16"),
+        (helper.make_node("Cast", ["half"], ["answer"], to=TensorProto.DOUBLE), "no constant of float16"),
+        (helper.make_node("Cast", ["half"], ["row"], to=TensorProto.FLOAT), "a name that is taken"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.op_type,
 )
 def test_whatever_makes_more_than_a_row(node: onnx.NodeProto, said: str) -> None:
     shapes = {"column": (1000, 1), "row": (1, 1000), "cube": (10, 10, 10)}
-    refused(model([node], {name: np.ones(shape, np.float32) for name, shape in shapes.items()}), said)
+    constants = {name: np.ones(shape, np.float32) for name, shape in shapes.items()}
+    refused(model([node], {**constants, "half": np.ones((1, 10), np.float16)}), said)
 
 
 def test_work_for_an_hour() -> None:
@@ -113,6 +118,29 @@ def test_work_for_an_hour() -> None:
     names = [FEATURES_INPUT, *(f"m{i}" for i in range(499)), "answer"]
     nodes = [helper.make_node("MatMul", [names[i], "large"], [names[i + 1]]) for i in range(500)]
     refused(model(nodes, {"large": np.zeros((DIMENSION, DIMENSION), np.float32)}), "more than a regressor needs")
+
+
+def test_one_constant_that_is_made_wide_again_and_again() -> None:
+    """onnxruntime does that while the file is opened, and keeps all of them."""
+    nodes = [helper.make_node("Cast", ["half"], [f"c{i}"], to=TensorProto.FLOAT) for i in range(500)]
+    refused(model([*nodes, *identity()], {"half": np.zeros((100, 1000), np.float16)}), "more than a regressor needs")
+
+
+def test_two_constants_of_one_name() -> None:
+    doubled = model(identity())
+    doubled.graph.initializer.append(doubled.graph.initializer[0])
+    refused(doubled, "two constants of one name")
+
+
+def test_a_matrix_of_float16_works_like_one_of_float32() -> None:
+    nodes = [
+        helper.make_node("Cast", ["half"], ["matrix"], to=TensorProto.FLOAT),
+        helper.make_node("MatMul", [FEATURES_INPUT, "matrix"], ["answer"]),
+    ]
+    doubling = {"half": 2 * np.eye(DIMENSION, dtype=np.float16)}
+    features = np.arange(DIMENSION)
+    answer = Regressor(model(nodes, doubling).SerializeToString(), 7)(features, np.zeros(3))
+    np.testing.assert_array_equal(answer, 2 * features[:7])
 
 
 def test_an_input_with_a_constant_of_its_name() -> None:

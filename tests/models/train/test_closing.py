@@ -12,7 +12,7 @@ from gemheads.models.driver.features import DIMENSION  # noqa: E402
 from gemheads.models.train.closing import ClosedLoop, descend  # noqa: E402
 from gemheads.models.train.controls import controls_of  # noqa: E402
 from gemheads.models.train.expressions import random_weights  # noqa: E402
-from gemheads.models.train.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.network import FeaturePca, RegressorNetwork  # noqa: E402
 from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
 from gemheads.models.train.strangers import Crowd, Person, in_tolerances  # noqa: E402
 from gemheads.models.train.train_regressor import feature_pca, person_of  # noqa: E402
@@ -51,6 +51,12 @@ def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd])
     before = loop.mismatch()
     descend(network, loop.loss, 150, lambda stage, done, total: None)
     assert loop.mismatch() < 0.6 * before
+    untrained = RegressorNetwork(
+        FeaturePca(network.feature_mean.numpy(), network.projection.numpy()), controls_of(toy_gem())
+    )
+    assert (
+        loop.mismatch([network]) == loop.mismatch() < loop.mismatch([network, untrained]) < loop.mismatch([untrained])
+    )
 
 
 def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:

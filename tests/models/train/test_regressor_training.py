@@ -42,6 +42,8 @@ def network_of(controls: Controls, trained: bool = True) -> RegressorNetwork:
         with torch.no_grad():
             for parameter in network.parameters():
                 parameter.add_(0.2 * torch.randn_like(parameter))
+            for learned in (*network.parameters(), network.projection):  # as a file keeps them
+                learned.copy_(learned.half())
     return network
 
 
@@ -49,7 +51,7 @@ def network_of(controls: Controls, trained: bool = True) -> RegressorNetwork:
 def test_the_exported_graph_is_the_network(rigged: bool) -> None:
     network = network_of(controls_of(toy_gem(rigged)))
     features, rotations = relative_features(20, 1) * 5, np.random.default_rng(1).normal(size=(20, 3)).astype("f4")
-    regressor = Regressor(export_onnx(network), toy_gem().coefficient_count)
+    regressor = Regressor(export_onnx([network]), toy_gem().coefficient_count)
     with torch.no_grad():
         wanted = network(torch.from_numpy(features), torch.from_numpy(rotations)).numpy()
     got = np.stack([regressor(f, r) for f, r in zip(features, rotations, strict=True)])
@@ -57,14 +59,45 @@ def test_the_exported_graph_is_the_network(rigged: bool) -> None:
     assert np.ptp(got, axis=0).max() > 0.1
 
 
+def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
+    controls = controls_of(toy_gem())
+    members = [network_of(controls), network_of(controls, trained=False)]
+    members[1].projection *= 0.5
+    features, rotations = relative_features(20, 1) * 5, np.random.default_rng(1).normal(size=(20, 3)).astype("f4")
+    regressor = Regressor(export_onnx(members), toy_gem().coefficient_count)
+    got = np.stack([regressor(f, r) for f, r in zip(features, rotations, strict=True)])
+    with torch.no_grad():
+        seen = torch.from_numpy(features), torch.from_numpy(rotations)
+        weights = torch.stack([member.weights(*seen) for member in members]).mean(0)
+        free = members[0].rest + weights @ members[0].to_coefficients
+        wanted = (members[0].limit * torch.tanh(free / members[0].limit)).numpy()
+    np.testing.assert_allclose(got, wanted, atol=1e-4)
+    alone = Regressor(export_onnx(members[:1]), toy_gem().coefficient_count)
+    assert max(np.abs(g - alone(f, r)).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
+
+
+def test_networks_of_different_avatars_are_no_committee() -> None:
+    controls = controls_of(toy_gem())
+    with pytest.raises(ValueError, match="different avatars"):
+        export_onnx([network_of(controls), network_of(replace(controls, rest=controls.rest + 1))])
+
+
+def test_a_network_that_has_grown_beyond_float16_is_not_written() -> None:
+    network = network_of(controls_of(toy_gem()))
+    with torch.no_grad():
+        next(network.parameters()).fill_(1e6)
+    with pytest.raises(ValueError, match="float16"):
+        export_onnx([network])
+
+
 def test_the_same_weights_give_the_same_bytes() -> None:
     controls = controls_of(toy_gem())
-    assert export_onnx(network_of(controls)) == export_onnx(network_of(controls))
+    assert export_onnx([network_of(controls)]) == export_onnx([network_of(controls)])
 
 
 def test_coefficients_stay_within_three_sigma_whatever_comes_in() -> None:
     gem = toy_gem()
-    regressor = Regressor(export_onnx(network_of(controls_of(gem))), gem.coefficient_count)
+    regressor = Regressor(export_onnx([network_of(controls_of(gem))]), gem.coefficient_count)
     answer = regressor(np.full(DIMENSION, 1e6, "f4"), np.array([9.0, -9.0, 9.0], "f4"))
     assert (np.abs(answer) <= 3 * gem.sigma * (1 + 1e-5)).all()
 
@@ -89,7 +122,7 @@ def test_an_untrained_network_drives_like_the_baseline_with_both_eyes_together()
 
 
 def test_a_graph_holds_only_operators_that_a_runtime_of_any_age_has() -> None:
-    session = onnxruntime.InferenceSession(export_onnx(network_of(controls_of(toy_gem()))))
+    session = onnxruntime.InferenceSession(export_onnx([network_of(controls_of(toy_gem()))]))
     assert [i.name for i in session.get_inputs()] == ["relative_features", "head_rotation"]
     assert session.get_outputs()[0].shape == [1, 20]
 
