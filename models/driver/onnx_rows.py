@@ -14,7 +14,7 @@ from .protobuf import fields, message, packed, text
 MAX_WIDTH = 2**16
 """Numbers in a row: a regressor has 500."""
 MAX_WORK = 2**25
-"""Products of numbers in one run: a regressor has 200,000."""
+"""Products of numbers in one run: a regressor has 600,000."""
 MAX_WIDENED = 2**22
 """Numbers that are kept in float16 and made float32: a regressor has 600,000."""
 ROW_BY_ROW = frozenset("Add Div Identity Max Min Mul Neg Pow Relu Sigmoid Softplus Sqrt Sub Tanh".split())

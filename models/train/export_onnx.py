@@ -19,7 +19,7 @@ SHARED = ("lower", "upper", "rest", "to_coefficients", "limit")
 """Buffers that are the avatar's: the same in all its networks."""
 
 
-def export_onnx(members: Sequence[RegressorNetwork], shares: NDArray[np.float32] | None = None) -> bytes:
+def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     """The graph: float32 ``relative_features`` [1, D] and ``head_rotation`` [1, 3] (radians) in, ``coefficients``
     [1, coefficients] out, already inside +-3 sigma. Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Tanh Mul
     Add Div.
@@ -27,18 +27,15 @@ def export_onnx(members: Sequence[RegressorNetwork], shares: NDArray[np.float32]
     Args:
         members: networks for the same avatar; the mean of the control weights that they answer counts. What they
             learned is kept in float16.
-        shares: [members, E] how much of each control weight each member says, instead of all the same.
     """
     graph = _Graph()
     features, rotation = INPUTS
     shared = {name: getattr(members[0], name).cpu().numpy() for name in SHARED}
     answers = [_answer(graph, f"member_{number}_", member, shared) for number, member in enumerate(members)]
-    if shares is None:
-        shares = np.full((len(members), len(shared["lower"])), 1 / len(members), np.float32)
-    weights = ""
-    for number, (answer, share) in enumerate(zip(answers, shares.astype(np.float32), strict=True)):
-        part = graph.node("Mul", answer, graph.constant(f"member_{number}_share", share))
-        weights = graph.node("Add", weights, part) if weights else part
+    total = answers[0]
+    for answer in answers[1:]:
+        total = graph.node("Add", total, answer)
+    weights = graph.node("Mul", total, graph.constant("share", np.float32(1 / len(members))))
     offset = graph.node("MatMul", weights, graph.constant("to_coefficients", shared["to_coefficients"]))
     free = graph.node("Add", offset, graph.constant("rest", shared["rest"]))
     limit = graph.constant("limit", shared["limit"])

@@ -76,21 +76,6 @@ def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
     assert max(np.abs(g - alone(f, r)).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
 
 
-def test_members_of_a_committee_may_speak_of_different_things() -> None:
-    controls = controls_of(toy_gem())
-    members = [network_of(controls), network_of(controls, trained=False)]
-    shares = np.zeros((2, len(controls.lower)), "f4")
-    shares[0, ::2] = shares[1, 1::2] = 1
-    regressor = Regressor(export_onnx(members, shares), toy_gem().coefficient_count)
-    features, rotation = relative_features(1, 1)[0] * 5, np.zeros(3, "f4")
-    with torch.no_grad():
-        seen = torch.from_numpy(features)[None], torch.from_numpy(rotation)[None]
-        weights = sum(torch.from_numpy(share) * one.weights(*seen) for share, one in zip(shares, members, strict=True))
-        free = members[0].rest + weights @ members[0].to_coefficients
-        wanted = (members[0].limit * torch.tanh(free / members[0].limit)).numpy()[0]
-    np.testing.assert_allclose(regressor(features, rotation), wanted, atol=1e-4)
-
-
 def test_networks_of_different_avatars_are_no_committee() -> None:
     controls = controls_of(toy_gem())
     with pytest.raises(ValueError, match="different avatars"):
