@@ -4,7 +4,7 @@ import os
 import platform
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -26,6 +26,7 @@ from .library import find_avatar
 from .places import check_places
 from .portrait import portrait
 from .reports import write_json
+from .steal import Steal, told
 from .synthetic import synthetic_gem
 
 SPLATS = (15_000, 60_000, 240_000)
@@ -68,6 +69,8 @@ class Report:
     engines: dict[str, str]
     """Engine -> GL renderer or threads, or why it is not here."""
     measurements: list[Measurement]
+    stolen: float | None = None
+    """Percent of the cores' time that the host of a virtual machine gave to others; None where the system is silent."""
 
 
 def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None = None) -> Report:
@@ -82,7 +85,7 @@ def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None 
     """
     check_places(json)
     engines, about = _engines()
-    report = Report(cpu_name(), os.cpu_count() or 1, about, [])
+    report, steal = Report(cpu_name(), os.cpu_count() or 1, about, []), Steal()
     try:
         for gem in _scenes(quick, avatar):
             for components in COMPONENTS[:1] if quick else COMPONENTS:
@@ -93,6 +96,7 @@ def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None 
     finally:
         for engine in engines:
             engine.close()
+    report = replace(report, stolen=steal.percent())
     _print(report)
     if json is not None:
         write_json(json, asdict(report))
@@ -213,3 +217,4 @@ def _print(report: Report) -> None:
         table.add_row(*names, f"{row.memory_read:.2f}", *stages, f"{row.frame:.1f}", f"{row.frames_per_second:.1f}")
     console.print(table)
     console.print("(read): a plain read of the memory that compose reads, on all cores, after a frame as compose is")
+    console.print(told(report.stolen), highlight=False)

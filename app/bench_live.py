@@ -33,6 +33,7 @@ from .library import find_avatar
 from .live import run_live
 from .places import check_places
 from .reports import write_json
+from .steal import told
 
 SIZE = (512, 512)
 COMPONENTS = 30
@@ -82,6 +83,8 @@ class LiveReport:
     """Mean of a frame with panels less that of one without, the picture in the same place and size."""
     processor: float
     """Milliseconds of one core for each picture shown, everything together."""
+    stolen: float | None
+    """Percent of the cores' time that the host of a virtual machine gave to others; None where the system is silent."""
     memory_mb: float
     memory_growth: float
     """Percent, from the first tenth of the measurement to the last."""
@@ -234,6 +237,7 @@ def _report(
         panels=round(panels, 2),
         processor=round(1e3 * witness.processor / max(1, frames), 1),
         memory_mb=round(late, 1),
+        stolen=None if witness.stolen is None else round(witness.stolen, 2),
         memory_growth=round(100 * (late - early) / early, 2) if early else 0.0,
     )
 
@@ -261,6 +265,7 @@ def _print(report: LiveReport) -> None:
         f" number; {report.processor:.0f} ms of a core for each picture; {report.memory_mb:.0f} MB",
         highlight=False,
     )
+    console.print(told(report.stolen), highlight=False)
     for name, (value, met) in report.goals().items():
         sign, goal = GOALS[name]
         console.print(f"{'met   ' if met else 'MISSED'} {name}: {value:.2f} (goal {sign} {goal:g})", highlight=False)

@@ -22,6 +22,7 @@ from .desk.view import DeskView
 from .figures import Ring
 from .inputs.source import Opener
 from .shots import Shot
+from .steal import Steal
 
 PATIENCE = 20
 """A measurement in which nothing new was to be seen goes on, for so many times as long as was asked for."""
@@ -122,6 +123,9 @@ class Witness:
         self.began: float | None = None
         self.ended = self.processor = self._processor_before = 0.0
         """``processor``: seconds of all cores since it began."""
+        self.stolen: float | None = None
+        """Percent of all cores' time that the host gave to others since it began, where the system says."""
+        self._steal = Steal()
         self.rss: list[tuple[float, float]] = []
         """Seconds and MB, once a second."""
 
@@ -137,9 +141,10 @@ class Witness:
         """The window's orders, and at the end the one to quit."""
         now = time.perf_counter()
         if self.began is None and self._first is not None and now - self._first >= self._warm_up:
-            self.began, self._processor_before = now, time.process_time()
+            self.began, self._processor_before, self._steal = now, time.process_time(), Steal()
         if self.began is not None:
             self.ended, self.processor = now, time.process_time() - self._processor_before
+            self.stolen = self._steal.percent()
             if not self.rss or now - self.rss[-1][0] >= 1.0:
                 self.rss.append((now, self._process.memory_info().rss / 1e6))
             if now - self.began >= self._seconds * (1 if self.frames.count else PATIENCE):

@@ -11,3 +11,9 @@ NAMES: tuple[str, ...] = tuple(
     noseSneerRight tongueOut""".split()
 )
 """Alphabetical. "Left" is the person's own left. A weight is 0 at rest and 1 at the full shape."""
+PARTNERS: tuple[tuple[int, int], ...] = tuple(
+    (NAMES.index(name), NAMES.index(name.replace("Left", "Right")))
+    for name in NAMES
+    if name.endswith("Left") and not name.startswith(("eyeLook", "jaw")) and name != "mouthLeft"
+)
+"""Places of the same movement of a face's left and right half. Eyes look at one thing, so theirs are not."""

@@ -21,7 +21,7 @@ GRIP_PX = 12.0
 """How near to the split's line the pointer takes it."""
 DEGREES_PER_PX = 0.3
 ZOOM_PER_NOTCH = 0.1
-PANELS_EVERY = 0.125
+PANELS_EVERY = 1 / 6
 """Seconds between two drawings of panels that nobody touches."""
 
 
@@ -79,7 +79,7 @@ class Screen:
             target: all of it is drawn.
             begin: tells imgui of pointer and keys.
             touched: whether pointer or keys moved since the last frame. While they did not and nothing lies over the
-                picture, panels are drawn eight times a second, the picture each time: a third of the work.
+                picture, panels are drawn six times a second, the picture each time: a third of the work.
             density: pixels of ``target`` for each unit of the screen, in which panels and pointer are placed.
             size: width and height of ``target`` in pixels; None: as it says itself, which a window's does not know.
         """

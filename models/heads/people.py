@@ -179,7 +179,7 @@ JONAH = Person(
         "eyebrows/eyebrows-trans-up": 0.2,
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
-    eye="warmbrown",
+    eye="darkbrown",
     sclera=(0.44, 0.41, 0.375),
     brow="eyebrow008",
     brow_color=(0.07, 0.05, 0.045),

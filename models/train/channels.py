@@ -18,7 +18,7 @@ SCORE_TOLERANCE = 0.06
 CLOSE = {
     **dict.fromkeys(("browInnerUp", "browDownLeft", "browDownRight", "mouthPucker"), 0.008),
     **dict.fromkeys(("eyeBlinkLeft", "eyeBlinkRight"), 0.01),
-    "jawOpen": 0.015,
+    "jawOpen": 0.01,
     **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),
     "mouthFunnel": 0.025,
     **dict.fromkeys((f"eyeLook{way}{side}" for way in ("Out", "In", "Up", "Down") for side in ("Left", "Right")), 0.03),

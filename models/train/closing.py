@@ -11,6 +11,9 @@ from .strangers import Crowd, Person
 BATCH = 256
 PRIOR = 0.3
 """Price of one unit of weight away from the unlearned start, in squared tolerances."""
+ONE_SIDED = 4.0
+"""The same for one unit by which the two halves of a face move apart more than the start moves them. What is read on
+each half trembles by itself; a mouth that goes awry is the first thing that people see."""
 EXCESS = 20.0
 """Price of a weight beyond its bounds."""
 LABELS = 2.0
@@ -51,7 +54,11 @@ class ClosedLoop:
         # a weight outside its bounds keeps a little gradient, or it would never come back
         got = self._shown(bounded + 0.05 * (free - bounded), step % len(self._responses))
         loss = nn.functional.huber_loss(got, self._wanted[batch], delta=HUBER)
-        loss = loss + PRIOR * ((bounded - start) ** 2).mean() + EXCESS * ((free - bounded) ** 2).mean()
+        moved = bounded - start
+        loss = loss + PRIOR * (moved**2).mean() + EXCESS * ((free - bounded) ** 2).mean()
+        if len(network.pairs):
+            left, right = network.pairs.T
+            loss = loss + ONE_SIDED * ((moved[:, left] - moved[:, right]) ** 2).mean()
         known = torch.randint(len(self._known), (BATCH // 2,))
         labelled = network.steered(*(array[known] for array in self._own))
         return loss + LABELS * ((labelled - self._known[known]) ** 2).mean()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arkit import NAMES
+from ..arkit import NAMES, PARTNERS
 from ..driver.baseline import GAIN
 from ..driver.features import SCORE_NAMES
 from ..gem import CLAMP_SIGMAS, Gem
@@ -15,6 +15,29 @@ ARKIT_REACH = 0.7
 UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.0
 """The same for gaze: looking aside goes round the network, as on strangers training only blurred what is read; looking
 up and down moves the lids, which the scores do not tell from the eyes."""
+HARDLY_REACH = 0.25
+"""The same for shapes that the tracker hardly reads."""
+UNREADABLE = (
+    "cheekPuff",
+    "cheekSquintLeft",
+    "cheekSquintRight",
+    "jawForward",
+    "noseSneerLeft",
+    "noseSneerRight",
+    "tongueOut",
+)
+"""The tracker does not read these on anybody. They stay still: training knows nothing of what they should do, and would
+pull faces with them to mend what it misses elsewhere."""
+HARDLY_READ = (
+    "jawLeft",
+    "jawRight",
+    "mouthDimpleLeft",
+    "mouthDimpleRight",
+    "mouthLeft",
+    "mouthRight",
+    "mouthShrugLower",
+    "mouthShrugUpper",
+)
 _TOGETHER = tuple(
     tuple(NAMES.index(f"eyeLook{name}") for name in pair)
     for pair in (("OutLeft", "InRight"), ("InLeft", "OutRight"), ("UpLeft", "UpRight"), ("DownLeft", "DownRight"))
@@ -32,6 +55,8 @@ class Controls:
     """[E] greatest weight."""
     reach: NDArray[np.float32]
     """[E] greatest distance from the unlearned start."""
+    pairs: NDArray[np.int64]
+    """[Q, 2] weights of the same movement of a face's left and right half."""
     start: NDArray[np.float32]
     """[scores, E] the unlearned reading of relative scores as weights, before clipping to the bounds."""
     to_coefficients: NDArray[np.float32]
@@ -62,6 +87,7 @@ def controls_of(gem: Gem) -> Controls:
         0 * ones,
         ones,
         reach,
+        np.array(PARTNERS),
         start,
         np.asarray(gem.arkit_weights, np.float32),
         gem.rest_coefficients,
@@ -72,7 +98,11 @@ def controls_of(gem: Gem) -> Controls:
 def _reach(name: str) -> float:
     if name.startswith(("eyeLookUp", "eyeLookDown")):
         return UP_DOWN_REACH
-    return SIDEWAYS_REACH if name.startswith("eyeLook") else ARKIT_REACH
+    if name.startswith("eyeLook"):
+        return SIDEWAYS_REACH
+    if name in UNREADABLE:
+        return 0.0
+    return HARDLY_REACH if name in HARDLY_READ else ARKIT_REACH
 
 
 def free_controls(gem: Gem) -> Controls:
@@ -88,5 +118,12 @@ def free_controls(gem: Gem) -> Controls:
             if name in NAMES:
                 start[row] = GAIN * gem.arkit_weights[NAMES.index(name)] / sigma
     return Controls(
-        -bound, bound, bound, start, np.diag(sigma).astype(np.float32), gem.rest_coefficients, CLAMP_SIGMAS * gem.sigma
+        -bound,
+        bound,
+        bound,
+        np.empty((0, 2), np.int64),
+        start,
+        np.diag(sigma).astype(np.float32),
+        gem.rest_coefficients,
+        CLAMP_SIGMAS * gem.sigma,
     )

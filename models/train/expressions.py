@@ -3,19 +3,20 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arkit import NAMES
+from ..arkit import NAMES, PARTNERS
 from .controls import Controls
 
 SYMMETRIC_SHARE = 0.75
 """How often the right side of a face repeats its left."""
 SMALL_SHARE = 0.5
 """How often a whole face is done less strongly: people do most things by half."""
-PARTNERS = tuple(
-    (NAMES.index(name), NAMES.index(name.replace("Left", "Right")))
-    for name in NAMES
-    if name.endswith("Left") and name not in ("jawLeft", "mouthLeft")
-)
-GAZE = tuple(NAMES.index(f"eyeLook{way}{side}") for way in ("Down", "In", "Out", "Up") for side in ("Left", "Right"))
+ONE_SIDED = (0.3, 1.0)
+"""Where it does not, the right side of a mixture does so much of what the left does."""
+MIXED_SHARE = 0.4
+"""How many faces are mixtures of any movements at once. What people do together nobody has listed: a snarl with the
+jaw closed is in no compound below, but a regressor that never saw how it is read will pull it."""
+MOST_OF_MOUTH, MOST_OF_REST = 7, 4
+"""Movements of the mouth, and of all else but the gaze, in one mixture."""
 COMPOUNDS: tuple[dict[str, float], ...] = (
     {"mouthSmile": 1, "cheekSquint": 0.6, "mouthUpperUp": 0.3},
     {"mouthSmile": 1, "jawOpen": 0.5, "mouthUpperUp": 0.5, "mouthLowerDown": 0.4, "eyeSquint": 0.4},
@@ -34,18 +35,27 @@ COMPOUNDS: tuple[dict[str, float], ...] = (
 )
 
 
+_ONE_WAY = ("jawLeft", "jawRight", "mouthLeft", "mouthRight")
+MOVEMENTS = tuple(
+    dict.fromkeys(
+        name if name in _ONE_WAY else name.removesuffix("Left").removesuffix("Right")
+        for name in NAMES
+        if not name.startswith("eyeLook") and name != "tongueOut"
+    )
+)
+"""What the two halves of a face do together counts as one."""
+OF_MOUTH = tuple(name for name in MOVEMENTS if name.startswith(("jaw", "mouth")))
+OF_REST = tuple(name for name in MOVEMENTS if name not in OF_MOUTH)
+
+
 def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
     """``count`` random faces as ARKit weights [count, 52] in [0, 1]; the first is neutral."""
     faces = np.zeros((count, len(NAMES)))
     for face in faces[1:]:
-        for _ in range(rng.integers(0, 4)):
-            _add_compound(face, COMPOUNDS[rng.integers(len(COMPOUNDS))], rng)
-        singles = rng.choice(len(NAMES), rng.integers(0, 7), replace=False)
-        face[singles] += rng.beta(0.8, 1.6, len(singles))
-        if rng.random() < SYMMETRIC_SHARE:
-            for left, right in PARTNERS:
-                if left not in GAZE:
-                    face[right] = face[left]
+        if rng.random() < MIXED_SHARE:
+            _mix(face, rng)
+        else:
+            _compose(face, rng)
         if rng.random() < SMALL_SHARE:
             face *= rng.uniform(0.1, 1)
         if rng.random() < 0.7:
@@ -53,12 +63,39 @@ def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
     return np.clip(faces, 0, 1).astype(np.float32)
 
 
+def _compose(face: NDArray[np.float64], rng: np.random.Generator) -> None:
+    """Compounds and a few single movements."""
+    for _ in range(rng.integers(0, 4)):
+        _add_compound(face, COMPOUNDS[rng.integers(len(COMPOUNDS))], rng)
+    singles = rng.choice(len(NAMES), rng.integers(0, 7), replace=False)
+    face[singles] += rng.beta(0.8, 1.6, len(singles))
+    if rng.random() < SYMMETRIC_SHARE:
+        for left, right in PARTNERS:
+            face[right] = face[left]
+
+
+def _mix(face: NDArray[np.float64], rng: np.random.Generator) -> None:
+    """Any movements at once, each by both halves of the face."""
+    for movements, most in ((OF_MOUTH, MOST_OF_MOUTH), (OF_REST, MOST_OF_REST)):
+        for movement in rng.choice(movements, rng.integers(1, most + 1), replace=False):
+            amount = rng.beta(1.0, 1.4)
+            for name in _halves(movement):
+                face[NAMES.index(name)] += amount
+    if rng.random() >= SYMMETRIC_SHARE:
+        for _, right in PARTNERS:
+            face[right] *= rng.uniform(*ONE_SIDED)
+
+
 def _add_compound(face: NDArray[np.float64], compound: dict[str, float], rng: np.random.Generator) -> None:
     strength = rng.beta(1.2, 1.2)
-    for stem, amount in compound.items():
-        for name in (stem, f"{stem}Left", f"{stem}Right"):
-            if name in NAMES:
-                face[NAMES.index(name)] += strength * amount * rng.uniform(0.6, 1.2)
+    for movement, amount in compound.items():
+        for name in _halves(movement):
+            face[NAMES.index(name)] += strength * amount * rng.uniform(0.6, 1.2)
+
+
+def _halves(movement: str) -> tuple[str, ...]:
+    """The shapes of a movement: one for the whole face, or one for each half."""
+    return tuple(name for name in (movement, f"{movement}Left", f"{movement}Right") if name in NAMES)
 
 
 def _look(face: NDArray[np.float64], rng: np.random.Generator) -> None:

@@ -43,6 +43,7 @@ class RegressorNetwork(nn.Module):
     rest: Tensor
     to_coefficients: Tensor
     limit: Tensor
+    pairs: Tensor
 
     def __init__(self, pca: FeaturePca, controls: Controls) -> None:
         super().__init__()
@@ -59,6 +60,7 @@ class RegressorNetwork(nn.Module):
         constant("rest", controls.rest)
         constant("to_coefficients", controls.to_coefficients)
         constant("limit", controls.limit)
+        self.register_buffer("pairs", torch.from_numpy(controls.pairs))
         inputs = pca.projection.shape[1] + 3 + len(controls.lower)
         self.layers = nn.Sequential(
             nn.Linear(inputs, HIDDEN),

@@ -2,7 +2,7 @@
 
 F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
-The first g acts before the tracker; F is learned again with these pictures, too, and a committee of new ones ships.
+Twice, a g acts before the tracker, and F is learned again with these pictures, too; a committee of new ones ships.
 """
 
 from collections.abc import Callable, Sequence
@@ -33,8 +33,10 @@ SIGMA_FLOOR = 1e-3
 """Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
 CROWD = 40_000
 """Moments of invented people to follow."""
-FIRST_ACT = 0.5
-"""Steps of the regressor that acts before the tracker, against those of the one that ships."""
+REHEARSALS = 2
+"""So often a regressor acts before the tracker; the second finds out where the first made the response wrong."""
+REHEARSAL_STEPS = 0.5
+"""Its steps, against those of the ones that ship."""
 REHEARSED = 0.4
 """Pictures that it acts in, against the random ones."""
 STRANGERS = 0.6
@@ -123,12 +125,13 @@ def regressor_for(
     count = max(200, int(pictures * STRANGERS))
     seen = [pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total)) for one in companions]
     others = [person_of(one, steps, seed)[0] for one in seen]
-    avatar, _ = person_of(own, steps, seed, RESPONSES)
-    school = _School(controls, [avatar, *others], footage, rng)
-    network = school.network(max(1, int(steps * FIRST_ACT)), seed, progress)
-    audience = school.people(max(1, int(pictures * REHEARSED)))
-    acted = rehearse(gem, controls, network, audience, rng, lambda done, total: progress("rehearsal", done, total))
-    own = joined([own, acted])
+    for _ in range(REHEARSALS):
+        avatar, _ = person_of(own, steps, seed, RESPONSES)
+        school = _School(controls, [avatar, *others], footage, rng)
+        network = school.network(max(1, int(steps * REHEARSAL_STEPS)), seed, progress)
+        audience = school.people(max(1, int(pictures * REHEARSED)))
+        acted = rehearse(gem, controls, network, audience, rng, lambda done, total: progress("rehearsal", done, total))
+        own = joined([own, acted])
     avatar, r2 = person_of(own, steps, seed, RESPONSES)
     school = _School(controls, [avatar, *others], footage, rng)
     before = school.mismatch([RegressorNetwork(school.pca, controls)])

@@ -130,7 +130,7 @@ def test_goals_are_met_or_missed_by_the_figures() -> None:
     spread = Spread(50.0, 90.0)
     good = LiveReport(
         *("a processor", 2, 0.5, "window", "software", "a camera", "mara", 20000, 30, (512, 512), 10.0),
-        *(29.9, spread, 300, 1, 0, {}, spread, 1.5, 40.0, 500.0, 0.1),
+        *(29.9, spread, 300, 1, 0, {}, spread, 1.5, 40.0, 0.0, 500.0, 0.1),
     )
     assert set(good.goals()) == set(GOALS)
     assert all(met for _, met in good.goals().values())

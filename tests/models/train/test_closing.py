@@ -7,8 +7,9 @@ import pytest
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.arkit import NAMES  # noqa: E402
+from gemheads.models.arkit import NAMES, PARTNERS  # noqa: E402
 from gemheads.models.driver.features import DIMENSION  # noqa: E402
+from gemheads.models.train import closing  # noqa: E402
 from gemheads.models.train.closing import ClosedLoop, descend  # noqa: E402
 from gemheads.models.train.controls import controls_of  # noqa: E402
 from gemheads.models.train.expressions import random_weights  # noqa: E402
@@ -57,6 +58,39 @@ def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd])
     assert (
         loop.mismatch([network]) == loop.mismatch() < loop.mismatch([network, untrained]) < loop.mismatch([untrained])
     )
+
+
+def test_the_halves_of_a_face_are_moved_together(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained, avatar, people = scene
+    pca = FeaturePca(trained.feature_mean.numpy(), trained.projection.numpy())
+    seen = torch.from_numpy(people.features), torch.from_numpy(people.rotations)
+
+    def apart(price: float) -> float:
+        monkeypatch.setattr(closing, "ONE_SIDED", price)
+        torch.manual_seed(0)
+        network = RegressorNetwork(pca, controls_of(toy_gem()))
+        descend(network, ClosedLoop(network, avatar, people).loss, 150, lambda stage, done, total: None)
+        with torch.no_grad():
+            moved = network.weights(*seen) - network.started(seen[0])
+        left, right = np.array(PARTNERS).T
+        return float((moved[:, left] - moved[:, right]).square().mean())
+
+    assert apart(100.0) < 0.5 * apart(0.0)
+
+
+def test_an_avatar_that_is_steered_by_coefficients_has_no_halves(
+    scene: tuple[RegressorNetwork, Person, Crowd],
+) -> None:
+    controls = controls_of(toy_gem(rigged=False))
+    assert len(controls.pairs) == 0
+    _, avatar, people = scene
+    network = RegressorNetwork(feature_pca(people.features), controls)
+    count = len(controls.upper)
+    response = ResponseModel(count, people.wanted.shape[1]).requires_grad_(False)
+    seen = replace(avatar.seen, weights=np.zeros((COUNT, count), "f4"))
+    assert torch.isfinite(ClosedLoop(network, Person(seen, response), people).loss())
 
 
 def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:

@@ -14,9 +14,9 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 
 from gemheads.models.train import rehearsal, train_regressor  # noqa: E402
 from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
-from gemheads.models.train.controls import Controls, controls_of  # noqa: E402
+from gemheads.models.train.controls import HARDLY_REACH, HARDLY_READ, UNREADABLE, Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
-from gemheads.models.train.expressions import random_coefficients, random_weights  # noqa: E402
+from gemheads.models.train.expressions import OF_MOUTH, random_coefficients, random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
 from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
 from gemheads.models.train.strangers import (  # noqa: E402
@@ -134,6 +134,28 @@ def test_random_faces_cover_every_weight_and_start_neutral() -> None:
     assert weights.max() <= 1
     assert (weights.std(0) > 0.02).all(), [n for n, s in zip(NAMES, weights.std(0), strict=True) if s <= 0.02]
     np.testing.assert_array_equal(weights, random_weights(2000, np.random.default_rng(0)))
+
+
+def test_any_two_movements_of_the_mouth_are_done_together() -> None:
+    """What no compound lists, too: a regressor would use it without knowing how it is read."""
+    weights = random_weights(6000, np.random.default_rng(0))
+    done = np.stack([weights[:, [n.startswith(movement) for n in NAMES]].min(1) > 0.3 for movement in OF_MOUTH])
+    together = done.astype(int) @ done.T
+    assert together.min() >= 15, [OF_MOUTH[i] for i in np.unravel_index(together.argmin(), together.shape)]
+    snarl = done[OF_MOUTH.index("mouthUpperUp")] & done[OF_MOUTH.index("mouthLowerDown")]
+    assert (snarl & (weights[:, NAMES.index("jawOpen")] < 0.05)).sum() >= 15
+
+
+def test_what_the_tracker_does_not_read_stays_still() -> None:
+    network = network_of(controls_of(toy_gem()))
+    features = torch.from_numpy(relative_features(200, 5) * 5)
+    with torch.no_grad():
+        moved = (network.weights(features, torch.zeros(200, 3)) - network.started(features)).abs().amax(0).numpy()
+    assert (moved[[NAMES.index(name) for name in UNREADABLE]] == 0).all()
+    hardly = moved[[NAMES.index(name) for name in HARDLY_READ]]
+    assert (hardly > 0).all()
+    assert (hardly <= HARDLY_REACH + 1e-6).all()
+    assert moved[NAMES.index("jawOpen")] > HARDLY_REACH
 
 
 def test_random_coefficients_respect_their_bounds() -> None:
