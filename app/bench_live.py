@@ -39,7 +39,7 @@ SIZE = (512, 512)
 COMPONENTS = 30
 WARM_UP = 6.0
 """Seconds before the measurement: kernels are compiled, the neutral is found, the compression curve is measured."""
-PANEL_FRAMES, PANEL_BLOCKS = 15, 5
+PANEL_FRAMES, PANEL_BLOCKS = 15, 9
 """Frames in a row with panels, then as many without, so many times."""
 GOALS = {
     "pictures a second": (">=", 29.5),
@@ -173,13 +173,15 @@ def _panel_cost(desk: DeskWindow | DeskOffscreen, view: DeskView) -> float:
     The mean: panels that nobody touches are not drawn in every frame.
     """
     screen = desk._screen
-    panels, means = screen._panels, {True: [], False: []}
-    for block in range(2 * PANEL_BLOCKS):
-        dressed = block % 2 == 0
-        screen._panels = panels if dressed else _NoPanels()  # the picture stays where it is
-        means[dressed].append(sum(_shown(desk, view) for _ in range(PANEL_FRAMES)) / PANEL_FRAMES)
+    panels, costs = screen._panels, []
+    for _ in range(PANEL_BLOCKS):
+        means: dict[bool, float] = {}
+        for dressed in (True, False):
+            screen._panels = panels if dressed else _NoPanels()  # the picture stays where it is
+            means[dressed] = sum(_shown(desk, view) for _ in range(PANEL_FRAMES)) / PANEL_FRAMES
+        costs.append(means[True] - means[False])  # neighbours: a machine that changes its pace changes both
     screen._panels = panels
-    return 1e3 * (median(means[True]) - median(means[False]))
+    return 1e3 * median(costs)
 
 
 def _shown(desk: DeskWindow | DeskOffscreen, view: DeskView) -> float:
