@@ -79,7 +79,7 @@ class Screen:
             target: all of it is drawn.
             begin: tells imgui of pointer and keys.
             touched: whether pointer or keys moved since the last frame. While they did not and nothing lies over the
-                picture, panels are drawn six times a second, the picture each time: a third of the work.
+                picture, panels are drawn six times a second, the picture each time.
             density: pixels of ``target`` for each unit of the screen, in which panels and pointer are placed.
             size: width and height of ``target`` in pixels; None: as it says itself, which a window's does not know.
         """
