@@ -15,19 +15,10 @@ ARKIT_REACH = 0.7
 UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.0
 """The same for gaze: looking aside goes round the network, as on strangers training only blurred what is read; looking
 up and down moves the lids, which the scores do not tell from the eyes."""
-HARDLY_REACH = 0.25
-"""The same for shapes that the tracker hardly reads."""
-UNREADABLE = (
-    "cheekPuff",
-    "cheekSquintLeft",
-    "cheekSquintRight",
-    "jawForward",
-    "noseSneerLeft",
-    "noseSneerRight",
-    "tongueOut",
-)
-"""The tracker does not read these on anybody. They stay still: training knows nothing of what they should do, and would
-pull faces with them to mend what it misses elsewhere."""
+UNREAD = tuple(name for name in NAMES if name not in SCORE_NAMES)
+"""The tracker reads these on nobody. They stay still: training knows nothing of what they should do, and would pull
+faces with them to mend what it misses elsewhere."""
+HARDLY_READ_REACH = 0.25
 HARDLY_READ = (
     "jawLeft",
     "jawRight",
@@ -38,6 +29,7 @@ HARDLY_READ = (
     "mouthShrugLower",
     "mouthShrugUpper",
 )
+"""Shapes whose scores hardly answer. Lips that part, press or roll are read as badly, but their distance says more."""
 _TOGETHER = tuple(
     tuple(NAMES.index(f"eyeLook{name}") for name in pair)
     for pair in (("OutLeft", "InRight"), ("InLeft", "OutRight"), ("UpLeft", "UpRight"), ("DownLeft", "DownRight"))
@@ -100,9 +92,9 @@ def _reach(name: str) -> float:
         return UP_DOWN_REACH
     if name.startswith("eyeLook"):
         return SIDEWAYS_REACH
-    if name in UNREADABLE:
+    if name in UNREAD:
         return 0.0
-    return HARDLY_REACH if name in HARDLY_READ else ARKIT_REACH
+    return HARDLY_READ_REACH if name in HARDLY_READ else ARKIT_REACH
 
 
 def free_controls(gem: Gem) -> Controls:

@@ -10,7 +10,7 @@ SYMMETRIC_SHARE = 0.75
 """How often the right side of a face repeats its left."""
 SMALL_SHARE = 0.5
 """How often a whole face is done less strongly: people do most things by half."""
-ONE_SIDED = (0.3, 1.0)
+OTHER_HALF = (0.3, 1.0)
 """Where it does not, the right side of a mixture does so much of what the left does."""
 MIXED_SHARE = 0.4
 """How many faces are mixtures of any movements at once. What people do together nobody has listed: a snarl with the
@@ -35,17 +35,20 @@ COMPOUNDS: tuple[dict[str, float], ...] = (
 )
 
 
-_ONE_WAY = ("jawLeft", "jawRight", "mouthLeft", "mouthRight")
-MOVEMENTS = tuple(
-    dict.fromkeys(
-        name if name in _ONE_WAY else name.removesuffix("Left").removesuffix("Right")
-        for name in NAMES
-        if not name.startswith("eyeLook") and name != "tongueOut"
+_HALVES = {place for pair in PARTNERS for place in pair}
+MOVEMENTS: tuple[tuple[int, ...], ...] = tuple(
+    sorted(
+        PARTNERS
+        + tuple(
+            (place,)
+            for place, name in enumerate(NAMES)
+            if place not in _HALVES and name != "tongueOut" and not name.startswith("eyeLook")
+        )
     )
 )
-"""What the two halves of a face do together counts as one."""
-OF_MOUTH = tuple(name for name in MOVEMENTS if name.startswith(("jaw", "mouth")))
-OF_REST = tuple(name for name in MOVEMENTS if name not in OF_MOUTH)
+"""Places of the shapes of each movement but the gaze: one for the whole face, or one for each half."""
+OF_MOUTH = tuple(places for places in MOVEMENTS if NAMES[places[0]].startswith(("jaw", "mouth")))
+OF_REST = tuple(places for places in MOVEMENTS if places not in OF_MOUTH)
 
 
 def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
@@ -77,25 +80,19 @@ def _compose(face: NDArray[np.float64], rng: np.random.Generator) -> None:
 def _mix(face: NDArray[np.float64], rng: np.random.Generator) -> None:
     """Any movements at once, each by both halves of the face."""
     for movements, most in ((OF_MOUTH, MOST_OF_MOUTH), (OF_REST, MOST_OF_REST)):
-        for movement in rng.choice(movements, rng.integers(1, most + 1), replace=False):
-            amount = rng.beta(1.0, 1.4)
-            for name in _halves(movement):
-                face[NAMES.index(name)] += amount
+        for movement in rng.choice(len(movements), rng.integers(1, most + 1), replace=False):
+            face[list(movements[movement])] += rng.beta(1.0, 1.4)
     if rng.random() >= SYMMETRIC_SHARE:
         for _, right in PARTNERS:
-            face[right] *= rng.uniform(*ONE_SIDED)
+            face[right] *= rng.uniform(*OTHER_HALF)
 
 
 def _add_compound(face: NDArray[np.float64], compound: dict[str, float], rng: np.random.Generator) -> None:
     strength = rng.beta(1.2, 1.2)
-    for movement, amount in compound.items():
-        for name in _halves(movement):
-            face[NAMES.index(name)] += strength * amount * rng.uniform(0.6, 1.2)
-
-
-def _halves(movement: str) -> tuple[str, ...]:
-    """The shapes of a movement: one for the whole face, or one for each half."""
-    return tuple(name for name in (movement, f"{movement}Left", f"{movement}Right") if name in NAMES)
+    for stem, amount in compound.items():
+        for name in (stem, f"{stem}Left", f"{stem}Right"):
+            if name in NAMES:
+                face[NAMES.index(name)] += strength * amount * rng.uniform(0.6, 1.2)
 
 
 def _look(face: NDArray[np.float64], rng: np.random.Generator) -> None:

@@ -14,7 +14,7 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 
 from gemheads.models.train import rehearsal, train_regressor  # noqa: E402
 from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
-from gemheads.models.train.controls import HARDLY_REACH, HARDLY_READ, UNREADABLE, Controls, controls_of  # noqa: E402
+from gemheads.models.train.controls import HARDLY_READ, HARDLY_READ_REACH, UNREAD, Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.expressions import OF_MOUTH, random_coefficients, random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
@@ -139,10 +139,13 @@ def test_random_faces_cover_every_weight_and_start_neutral() -> None:
 def test_any_two_movements_of_the_mouth_are_done_together() -> None:
     """What no compound lists, too: a regressor would use it without knowing how it is read."""
     weights = random_weights(6000, np.random.default_rng(0))
-    done = np.stack([weights[:, [n.startswith(movement) for n in NAMES]].min(1) > 0.3 for movement in OF_MOUTH])
+    done = np.stack([weights[:, places].min(1) > 0.3 for places in OF_MOUTH])
     together = done.astype(int) @ done.T
-    assert together.min() >= 15, [OF_MOUTH[i] for i in np.unravel_index(together.argmin(), together.shape)]
-    snarl = done[OF_MOUTH.index("mouthUpperUp")] & done[OF_MOUTH.index("mouthLowerDown")]
+    assert together.min() >= 15, [NAMES[OF_MOUTH[i][0]] for i in np.unravel_index(together.argmin(), together.shape)]
+    upper, lower = (
+        [NAMES[places[0]] for places in OF_MOUTH].index(f"{lip}Left") for lip in ("mouthUpperUp", "mouthLowerDown")
+    )
+    snarl = done[upper] & done[lower]
     assert (snarl & (weights[:, NAMES.index("jawOpen")] < 0.05)).sum() >= 15
 
 
@@ -151,11 +154,11 @@ def test_what_the_tracker_does_not_read_stays_still() -> None:
     features = torch.from_numpy(relative_features(200, 5) * 5)
     with torch.no_grad():
         moved = (network.weights(features, torch.zeros(200, 3)) - network.started(features)).abs().amax(0).numpy()
-    assert (moved[[NAMES.index(name) for name in UNREADABLE]] == 0).all()
+    assert (moved[[NAMES.index(name) for name in UNREAD]] == 0).all()
     hardly = moved[[NAMES.index(name) for name in HARDLY_READ]]
     assert (hardly > 0).all()
-    assert (hardly <= HARDLY_REACH + 1e-6).all()
-    assert moved[NAMES.index("jawOpen")] > HARDLY_REACH
+    assert (hardly <= HARDLY_READ_REACH + 1e-6).all()
+    assert moved[NAMES.index("jawOpen")] > HARDLY_READ_REACH
 
 
 def test_random_coefficients_respect_their_bounds() -> None:
