@@ -37,6 +37,13 @@ MOUTH_LIGHT = (0.34, 0.55)
 ENAMEL = np.array([0.74, 0.69, 0.60])
 GUM = np.array([0.30, 0.10, 0.095])
 """Linear albedo."""
+GAP_MM = 0.8
+"""Half the width of the line between two crowns: splats lie a millimetre apart, and a finer line drowns in them."""
+GAP_SHADE = np.array([0.42, 0.50, 0.52])
+"""What it takes of the enamel's colour."""
+LOWER_DIM = 0.72
+"""The lower row stands in the shadow of lip and upper row: as bright as the upper one it would be a blot in an open
+mouth, and one slab with it behind bared teeth."""
 
 
 @dataclass(frozen=True)
@@ -122,13 +129,13 @@ def paint_teeth() -> NDArray[np.float32]:
     row = np.interp(np.arange(half), [0.02 * half, 0.98 * half], [0, len(PROFILE_MM) - 1])
     high = np.interp(row, np.arange(len(PROFILE_MM)), [h for _, h in PROFILE_MM])[:, None]
     behind = np.clip((row - EDGE_ROW) / 2, 0, 1)[:, None]
-    shade = np.exp(-((along / 28.0) ** 2))[None] * 0.8 + 0.2
+    shade = np.exp(-((along / 24.0) ** 2))[None] * 0.85 + 0.15
     shade = shade * (1 - 0.035 * high) * (1 - 0.6 * behind)
-    for top, gaps in ((0, GAPS_MM["upper"]), (half, GAPS_MM["lower"])):
+    for top, gaps, dim in ((0, GAPS_MM["upper"], 1.0), (half, GAPS_MM["lower"], LOWER_DIM)):
         gap = np.min([np.abs(along - x) for x in gaps], axis=0)[None]
-        line = np.exp(-((gap / 0.45) ** 2)) * np.clip(1.15 - 0.08 * high, 0.3, 1)
-        scallop = CROWN_MM - 1.6 * np.exp(-((gap / 1.6) ** 2))  # the gum reaches down between two crowns
+        line = np.exp(-((gap / GAP_MM) ** 2))
+        scallop = CROWN_MM - 2.2 * np.exp(-((gap / 1.6) ** 2))  # the gum reaches down between two crowns
         crown = np.clip((scallop - high) / 0.8, 0, 1)[..., None]
-        enamel = ENAMEL * (1 - 0.30 * line[..., None])
+        enamel = ENAMEL * dim * (1 - GAP_SHADE * line[..., None])
         picture[top : top + half] = (GUM + crown * (enamel - GUM)) * shade[..., None]
     return picture

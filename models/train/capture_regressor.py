@@ -24,7 +24,7 @@ from .ownframes import Labelled, Pictured
 from .response import Responses, measure_responses
 from .sightings import Neutral, Sightings, frontal_cameras, neutral_of, see
 from .strangers import Crowd, Person, crowd
-from .train_regressor import Progress, feature_pca, person_of
+from .train_regressor import RESTING, Progress, feature_pca, person_of
 
 Floats = NDArray[np.float32]
 LABELS = 30.0
@@ -157,8 +157,8 @@ class _Others:
 
 def invented(gem: Gem, controls: Controls, known: Floats, count: int, rng: np.random.Generator) -> Floats:
     """[count, coefficients] weights of ``free_controls`` for faces that the person could make: mixtures of what it did
-    [M, coefficients], stronger and weaker, and where the avatar has an ARKit map, faces of that in turn. The first is
-    the neutral.
+    [M, coefficients], stronger and weaker, and where the avatar has an ARKit map, faces of that in turn. The first and
+    the last RESTING of them are the neutral.
 
     Coefficients drawn one by one are no faces: what a component moves belongs together with the others.
     """
@@ -171,4 +171,5 @@ def invented(gem: Gem, controls: Controls, known: Floats, count: int, rng: np.ra
         faces[1::2] = rigged[1::2]
     faces += UNREST * random_coefficients(controls, count, rng)
     faces[0] = 0
+    faces[count - int(RESTING * count) :] = 0
     return np.clip(faces, -CLAMP_SIGMAS, CLAMP_SIGMAS).astype(np.float32)

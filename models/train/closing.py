@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
@@ -14,6 +15,10 @@ PRIOR = 0.3
 ONE_SIDED = 4.0
 """The same for one unit by which the two halves of a face move apart more than the start moves them. What is read on
 each half trembles by itself; a mouth that goes awry is the first thing that people see."""
+STILLNESS = 10.0
+"""The same for one unit of any weight where nothing but the head moves. Without it a face at rest followed what light,
+framing and a turned head do to what is read, by half of what expressions are. Dearer stillness costs small movements,
+lowered brows and pursed lips first."""
 EXCESS = 20.0
 """Price of a weight beyond its bounds."""
 LABELS = 2.0
@@ -31,6 +36,7 @@ class ClosedLoop:
         self._wanted, self._known = torch.from_numpy(people.wanted), torch.from_numpy(own.seen.weights)
         self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
         self._people = network.inputs(*self._seen)
+        self._resting = torch.from_numpy(np.flatnonzero(people.resting))
         self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.rotations))
         still = torch.zeros(1, own.seen.weights.shape[1])
         self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
@@ -59,6 +65,10 @@ class ClosedLoop:
         if len(network.pairs):
             left, right = network.pairs.T
             loss = loss + ONE_SIDED * ((moved[:, left] - moved[:, right]) ** 2).mean()
+        if len(self._resting):
+            rest = self._resting[torch.randint(len(self._resting), (BATCH // 2,))]
+            still = network.bounded(network.steered(*(array[rest] for array in self._people)))
+            loss = loss + STILLNESS * (still**2).mean()
         known = torch.randint(len(self._known), (BATCH // 2,))
         labelled = network.steered(*(array[known] for array in self._own))
         return loss + LABELS * ((labelled - self._known[known]) ** 2).mean()

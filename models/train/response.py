@@ -27,6 +27,8 @@ HEAD_SHARE = 0.62
 """How much of the picture's height the head fills."""
 POSE_SPREAD = np.radians([9.0, 13.0, 6.0])
 """Standard deviations of pitch, yaw and roll of the training pictures, radians."""
+RESTING_SPREAD = 1.3
+"""So much further turn heads whose face is at rest."""
 
 
 class AvatarNotSeen(RuntimeError):
@@ -76,6 +78,7 @@ def measure_responses(
         raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{gem.name}'")
     if rotations is None:
         rotations = (rng.normal(size=(len(weights), 3)) * POSE_SPREAD).astype(np.float32)
+        rotations[~weights.any(1)] *= RESTING_SPREAD
         rotations[: len(weights) // 5] = 0
     kept: list[int] = []
     features: list[NDArray[np.float32]] = []

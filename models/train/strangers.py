@@ -43,6 +43,8 @@ class Crowd:
     """[S, 3] relative head rotation, radians."""
     wanted: Floats
     """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
+    resting: NDArray[np.bool_]
+    """[S] moments in which nothing but the head moves."""
 
     def __len__(self) -> int:
         return len(self.features)
@@ -59,14 +61,20 @@ def from_the_front(person: Person) -> Floats:
     """[S, T] the channels of a person's pictures, in tolerances, relative to the neutral, had the head not turned.
 
     What the response says of the turn is taken off; what else is read, noise and all that the response does not know,
-    stays: on people, too, it is what is read that shall be followed.
+    stays: on people, too, it is what is read that shall be followed. Only of a face at rest nothing stays.
     """
     weights, rotations = torch.from_numpy(person.seen.weights), torch.from_numpy(person.seen.rotations)
     still, front = torch.zeros(1, 3), torch.zeros(len(weights), 3)
     with torch.no_grad():
         rest = person.response(torch.zeros(1, weights.shape[1]), still)
         turned = (person.response(weights, rotations) - person.response(weights, front) + rest).numpy()
-    return (in_tolerances(person.seen.features) - turned).astype(np.float32)
+    channels = in_tolerances(person.seen.features) - turned
+    return np.where(at_rest(person.seen)[:, None], 0, channels).astype(np.float32)
+
+
+def at_rest(seen: Responses) -> NDArray[np.bool_]:
+    """[S] which pictures show the neutral expression."""
+    return ~seen.weights.any(1)
 
 
 def in_tolerances(features: Floats) -> Floats:
@@ -86,11 +94,13 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
     features = np.empty((count, DIMENSION), np.float32)
     rotations = np.empty((count, 3), np.float32)
     wanted = np.empty((count, len(channel_indices())), np.float32)
+    resting = np.zeros(count, np.bool_)
     for index, person in enumerate(people):
         rows = np.flatnonzero(which == index)
         picked = rng.integers(len(person.seen), size=len(rows))
         features[rows], rotations[rows] = person.seen.features[picked], person.seen.rotations[picked]
         wanted[rows] = from_the_front(person)[picked]
+        resting[rows] = at_rest(person.seen)[picked]
     mixture = rng.dirichlet(np.ones(len(people)), count) * rng.normal(1, 0.4, (count, 1))
     mixture[np.arange(count), which] -= 1
     features += np.einsum("sa,aid,si->sd", mixture, leaks, rotations, optimize=True)
@@ -99,9 +109,10 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
         picked = rng.integers(len(footage), size=int(rows.sum()))
         features[rows], rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
         wanted[rows] = in_tolerances(features[rows] - rotations[rows] @ leaks.mean(0))
+        resting[rows] = False
     gains = np.exp(rng.normal(0, GAIN_SPREAD / 2, (count, 1)) + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
     features *= gains
     wanted *= gains[:, channel_indices()]
     for name, spread in NOISE.items():
         features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
-    return Crowd(features.astype(np.float32), rotations, wanted.astype(np.float32))
+    return Crowd(features.astype(np.float32), rotations, wanted.astype(np.float32), resting)

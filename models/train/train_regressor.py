@@ -41,6 +41,8 @@ REHEARSED = 0.4
 """Pictures that it acts in, against the random ones."""
 STRANGERS = 0.6
 """Pictures of each companion, against the random ones of the avatar."""
+RESTING = 0.12
+"""Of an avatar's pictures so many show it at rest while its head turns: most of the time people do no more."""
 RESPONSES = 3
 """So many models of the avatar's response, each learned with random numbers of its own, judge the regressor in turn: it
 would find out where a single one errs. Of strangers, one says what to do."""
@@ -178,7 +180,8 @@ def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
 
 
 def pictures_of(gem: Gem, count: int, seed: int, progress: Callable[[int, int], None] = _silent) -> Responses:
-    """``count`` pictures of an avatar with random faces, as the tracker reads them; fewer where no face is seen.
+    """``count`` pictures of an avatar with random faces, and at rest, as the tracker reads them; fewer where no face is
+    seen.
 
     Whole series are the same in however many pictures. Raises AvatarNotSeen.
     """
@@ -194,6 +197,7 @@ def pictures_of(gem: Gem, count: int, seed: int, progress: Callable[[int, int], 
             random_coefficients(controls, SERIES, rng) if gem.arkit_weights is None else random_weights(SERIES, rng)
         )
         weights = weights[: count - first]
+        weights[len(weights) - int(RESTING * len(weights)) :] = 0
         parts.append(measure_responses(gem, controls, weights, rng, partial(advance, first)))
     return joined(parts)
 

@@ -1,8 +1,19 @@
 """Two arches of teeth that stay whole, ride on skull and jaw, and darken inside the mouth."""
 
+from itertools import pairwise
+
 import numpy as np
 from gemheads.models.heads.mesh import vertex_normals
-from gemheads.models.heads.teeth import COLUMNS, MAP_HEIGHT, carried, make_arches, opacity_logit, paint_teeth
+from gemheads.models.heads.teeth import (
+    COLUMNS,
+    GAPS_MM,
+    MAP_HEIGHT,
+    MAP_REACH_MM,
+    carried,
+    make_arches,
+    opacity_logit,
+    paint_teeth,
+)
 
 RNG = np.random.default_rng(5)
 HALF_CIRCLE = np.linspace(-1.2, 1.2, 41)
@@ -40,3 +51,18 @@ def test_teeth_darken_towards_the_cheeks_and_in_a_mouth_nearly_shut() -> None:
     assert crown[middle - 120 : middle + 120].max() > 2 * crown[: len(crown) // 5].max()
     assert picture.max() < 0.75
     assert opacity_logit(0.1) < opacity_logit(0.45) < opacity_logit(0.9)
+
+
+def test_crowns_are_told_apart_and_the_lower_row_is_darker() -> None:
+    """In a grin as large as a head of 512 pixels; a white slab is what one takes them for otherwise."""
+    bright = paint_teeth().mean(-1)
+    half = MAP_HEIGHT // 2
+    upper, lower = bright[int(0.42 * half)], bright[half + int(0.42 * half)]
+    per_mm = len(upper) / (2 * MAP_REACH_MM)
+    for row, arch in ((upper, "upper"), (lower, "lower")):
+        edges = [len(row) // 2 + round(x * per_mm) for x in GAPS_MM[arch][:4]]
+        for left, right in pairwise(edges):
+            crown = row[left:right].max()
+            assert row[left] < 0.75 * crown
+            assert row[right] < 0.75 * crown
+    assert lower.max() < 0.8 * upper.max()

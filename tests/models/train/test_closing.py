@@ -1,5 +1,6 @@
 """The closed loop as a loss: several models of one response, and a network that they judge in turn."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -43,7 +44,7 @@ def scene() -> tuple[RegressorNetwork, Person, Crowd]:
     seen = Responses(weights, np.zeros((COUNT, 3), "f4"), features)
     torch.manual_seed(0)
     network = RegressorNetwork(feature_pca(features), controls_of(toy_gem()))
-    return network, Person(seen, answering(shapes)), Crowd(features, seen.rotations, wanted)
+    return network, Person(seen, answering(shapes)), Crowd(features, seen.rotations, wanted, ~weights.any(1))
 
 
 def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
@@ -91,6 +92,28 @@ def test_an_avatar_that_is_steered_by_coefficients_has_no_halves(
     response = ResponseModel(count, people.wanted.shape[1]).requires_grad_(False)
     seen = replace(avatar.seen, weights=np.zeros((COUNT, count), "f4"))
     assert torch.isfinite(ClosedLoop(network, Person(seen, response), people).loss())
+
+
+def test_a_face_that_moves_where_only_the_head_does_is_dear(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    network, avatar, people = copy.deepcopy(scene)
+    with torch.no_grad():
+        network.layers[-1].bias += 0.3
+        moved = network.weights(torch.zeros(1, DIMENSION), torch.zeros(1, 3))
+    nothing_read = np.where(people.resting[:, None], 0, people.features).astype("f4")
+    assert people.resting.any()
+
+    def loss(price: float, resting: np.ndarray) -> float:
+        monkeypatch.setattr(closing, "STILLNESS", price)
+        torch.manual_seed(0)
+        people_there = replace(people, features=nothing_read, resting=resting)
+        return float(ClosedLoop(network, avatar, people_there).loss().detach())
+
+    dear = loss(7.0, people.resting) - loss(0.0, people.resting)
+    assert dear == pytest.approx(7.0 * float(moved.square().mean()), rel=1e-3)
+    nobody = np.zeros_like(people.resting)
+    assert loss(7.0, nobody) == loss(0.0, nobody)
 
 
 def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:

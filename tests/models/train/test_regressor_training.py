@@ -12,7 +12,7 @@ from gemheads.models.driver.regressor import Regressor
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train import rehearsal, train_regressor  # noqa: E402
+from gemheads.models.train import rehearsal, response, train_regressor  # noqa: E402
 from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
 from gemheads.models.train.controls import HARDLY_READ, HARDLY_READ_REACH, UNREAD, Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
@@ -228,11 +228,32 @@ def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
     assert np.abs(people.wanted).max() < 0.1 * np.abs(in_tolerances(people.features)).max()
 
 
+def test_of_a_face_at_rest_nothing_is_followed() -> None:
+    """Whatever is read there: light, framing and the turn of the head."""
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    person = linear_person(shapes, leak)
+    rest = np.arange(len(person.seen)) % 4 == 0
+    read = person.seen.features + rng.normal(0, 1, person.seen.features.shape).astype("f4")
+    weights = np.where(rest[:, None], 0, np.maximum(person.seen.weights, 1e-3))
+    someone = replace(person, seen=replace(person.seen, weights=weights, features=read))
+    wanted = from_the_front(someone)
+    assert (wanted[rest] == 0).all()
+    assert (np.abs(wanted[~rest]).max(1) > 1).all()
+    people = crowd([someone], np.empty((0, DIMENSION + 3), "f4"), 800, rng)
+    assert 0.2 < people.resting.mean() < 0.3
+    assert (people.wanted[people.resting] == 0).all()
+    assert (np.abs(people.features[people.resting]).max(1) > 1).all()
+    footage = np.concatenate([read, person.seen.rotations], 1)
+    filmed = crowd([someone], footage, 800, rng)
+    assert 0.1 < filmed.resting.mean() < 0.23  # of strangers in a film nobody knows when they rest
+
+
 def test_a_rehearsal_draws_what_the_network_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     controls, rng = controls_of(toy_gem()), np.random.default_rng(0)
     network = network_of(controls)
     features, rotations = relative_features(400, 3), rng.normal(0, 0.2, (400, 3)).astype("f4")
-    audience = Crowd(features, rotations, np.zeros((400, 1), "f4"))
+    audience = Crowd(features, rotations, np.zeros((400, 1), "f4"), np.zeros(400, np.bool_))
     drawn: list[Responses] = []
 
     def drawing(gem, controls, weights, rng, progress, rotations):
@@ -262,6 +283,22 @@ def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.Monk
     np.testing.assert_array_equal(few.weights, more.weights[: len(few)])
     np.testing.assert_array_equal(few.rotations, more.rotations[: len(few)])
     assert np.abs(more.weights[train_regressor.SERIES] - more.weights[1]).max() > 0
+
+
+def test_some_pictures_show_a_face_at_rest_that_turns_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Studio:
+        def __init__(self, gem: object) -> None:
+            pass
+
+        def read(self, coefficients, rotation, rng, still=False):
+            return np.zeros(DIMENSION, "f4")
+
+    monkeypatch.setattr(response, "_Studio", Studio)
+    drawn = train_regressor.pictures_of(toy_gem(), 4000, 3)
+    rest = ~drawn.weights.any(1)
+    turned = drawn.rotations[drawn.rotations.any(1) & ~rest], drawn.rotations[rest]
+    assert train_regressor.RESTING <= rest.mean() < train_regressor.RESTING + 0.05
+    assert 1.15 < turned[1].std() / turned[0].std() < 1.45
 
 
 def test_channels_and_tolerances_go_together() -> None:
