@@ -74,7 +74,7 @@ def from_the_front(person: Person) -> Floats:
 
 def at_rest(seen: Responses) -> NDArray[np.bool_]:
     """[S] which pictures show the neutral expression."""
-    return ~seen.weights.any(1)
+    return (seen.weights == 0).all(1)
 
 
 def in_tolerances(features: Floats) -> Floats:
