@@ -86,7 +86,7 @@ class Rest:
     """Share of the features taken, in [0, 1]."""
     result: str = ""
     score: float | None = None
-    """||k|| / sigma that is left, less is better; accepted below 0.25."""
+    """||k|| / sigma that is left, less is better; accepted below ``restface.MOST_RESIDUAL``."""
 
 
 @dataclass(frozen=True)
