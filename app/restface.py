@@ -30,8 +30,8 @@ CLOSING = 0.8
 """Lids that are closer together than this part of their usual gap blink."""
 FAR_OFF = 3.0
 """A picture that is this many times further from the median than most is an outlier."""
-MOST_RESIDUAL = 0.17
-"""Of the length of sigma: still faces have .02 to .1, talking ones .2 to .9."""
+MOST_RESIDUAL = 0.15
+"""Of the length of sigma: still faces have at most .07, most talking ones .15 to .9, less with Jonah."""
 
 NOTHING_SAID = Coaching(())
 RestPhase = Literal["coaching", "countdown", "collecting", "done"]

@@ -17,8 +17,8 @@ ONE_SIDED = 4.0
 each half trembles by itself; a mouth that goes awry is the first thing that people see."""
 STILLNESS = 10.0
 """The same for one unit of any weight where nothing but the head moves. Without it a face at rest followed what light,
-framing and a turned head do to what is read, by half of what expressions are. Dearer stillness costs small movements,
-lowered brows and pursed lips first."""
+framing and a turned head do to what is read. Dearer stillness costs small movements, lowered brows and pursed lips
+first."""
 EXCESS = 20.0
 """Price of a weight beyond its bounds."""
 LABELS = 2.0

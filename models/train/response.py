@@ -59,6 +59,11 @@ def joined(parts: Sequence[Responses]) -> Responses:
     )
 
 
+def at_rest(weights: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """[S] which of the control weights [S, E] are the neutral expression."""
+    return (weights == 0).all(1)
+
+
 def measure_responses(
     gem: Gem,
     controls: Controls,
@@ -78,7 +83,7 @@ def measure_responses(
         raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{gem.name}'")
     if rotations is None:
         rotations = (rng.normal(size=(len(weights), 3)) * POSE_SPREAD).astype(np.float32)
-        rotations[~weights.any(1)] *= RESTING_SPREAD
+        rotations[at_rest(weights)] *= RESTING_SPREAD
         rotations[: len(weights) // 5] = 0
     kept: list[int] = []
     features: list[NDArray[np.float32]] = []

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..driver.features import BLOCKS, DIMENSION
 from .channels import channel_indices, channel_tolerances
-from .response import ResponseModel, Responses
+from .response import ResponseModel, Responses, at_rest
 
 Floats = NDArray[np.float32]
 GAIN_SPREAD = 0.35
@@ -69,12 +69,7 @@ def from_the_front(person: Person) -> Floats:
         rest = person.response(torch.zeros(1, weights.shape[1]), still)
         turned = (person.response(weights, rotations) - person.response(weights, front) + rest).numpy()
     channels = in_tolerances(person.seen.features) - turned
-    return np.where(at_rest(person.seen)[:, None], 0, channels).astype(np.float32)
-
-
-def at_rest(seen: Responses) -> NDArray[np.bool_]:
-    """[S] which pictures show the neutral expression."""
-    return (seen.weights == 0).all(1)
+    return np.where(at_rest(person.seen.weights)[:, None], 0, channels).astype(np.float32)
 
 
 def in_tolerances(features: Floats) -> Floats:
@@ -100,7 +95,7 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
         picked = rng.integers(len(person.seen), size=len(rows))
         features[rows], rotations[rows] = person.seen.features[picked], person.seen.rotations[picked]
         wanted[rows] = from_the_front(person)[picked]
-        resting[rows] = at_rest(person.seen)[picked]
+        resting[rows] = at_rest(person.seen.weights)[picked]
     mixture = rng.dirichlet(np.ones(len(people)), count) * rng.normal(1, 0.4, (count, 1))
     mixture[np.arange(count), which] -= 1
     features += np.einsum("sa,aid,si->sd", mixture, leaks, rotations, optimize=True)

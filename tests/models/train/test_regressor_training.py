@@ -221,7 +221,7 @@ def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
     np.testing.assert_allclose(wanted, in_tolerances(person.seen.weights @ shapes), atol=2e-2)
     assert np.abs(in_tolerances(person.seen.features) - wanted).max() > 10
     seen = person.seen
-    turning = replace(seen, weights=0 * seen.weights, features=seen.rotations @ leak)
+    turning = replace(seen, weights=np.full_like(seen.weights, 1e-6), features=seen.rotations @ leak)  # hardly at rest
     np.testing.assert_allclose(from_the_front(Person(turning, person.response)), 0, atol=2e-2)
     footage = np.concatenate([turning.features, turning.rotations], 1)
     people = crowd([Person(turning, person.response)], footage, 500, rng)
