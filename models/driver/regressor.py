@@ -12,7 +12,7 @@ FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "relative_features", "head_rotation", "
 VERSION_KEY = "feature_version"
 """Key of the graph's metadata under which training writes FEATURE_VERSION."""
 MAX_BYTES = 32 * 2**20
-"""A larger graph is refused unread: three networks of 50 PCA components and three layers of 256 need 1 MB."""
+"""A larger graph is refused unread: three networks of three layers of 256 need 1.1 MB."""
 
 
 class RegressorError(ValueError):

@@ -21,10 +21,11 @@ from .expressions import random_coefficients, random_weights
 from .fit import Start
 from .network import RegressorNetwork
 from .ownframes import Labelled, Pictured
+from .reduction import principal_components
 from .response import Responses, measure_responses
 from .sightings import Neutral, Sightings, frontal_cameras, neutral_of, see
 from .strangers import Crowd, Person, crowd
-from .train_regressor import RESTING, Progress, feature_pca, person_of
+from .train_regressor import RESTING, Progress, person_of
 
 Floats = NDArray[np.float32]
 LABELS = 30.0
@@ -107,7 +108,7 @@ def capture_regressor(
         others = _Others.around(own, sightings, companions, footage, effort, rng)
         spread = np.concatenate([spread, own.features, others.people.features[:8000]])
     torch.manual_seed(effort.seed)
-    network = RegressorNetwork(feature_pca(spread), controls)
+    network = RegressorNetwork(principal_components(spread), controls)
     loop = None if others is None else ClosedLoop(network, others.avatar, others.people)
     judged = None if others is None else ClosedLoop(network, others.avatar, others.judges)
     before = None if judged is None else judged.mismatch()

@@ -1,7 +1,5 @@
 """The regressor as a torch module, and its twin that ships: one ONNX graph (equations 3 and 4 of the paper)."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -9,20 +7,11 @@ from torch import Tensor, nn
 
 from ..driver.features import SCORES
 from .controls import Controls
+from .reduction import Reduction
 
 HIDDEN = 256
 KAPPA_LIMIT = 4.0
 """kappa is clipped here, in sigmas: a face far outside the training set must not reach the network as a huge number."""
-
-
-@dataclass(frozen=True)
-class FeaturePca:
-    """Equation 3: kappa = (r - mean) @ projection, whitened."""
-
-    mean: NDArray[np.float32]
-    """[D] mean relative feature."""
-    projection: NDArray[np.float32]
-    """[D, P] principal directions, each divided by the standard deviation of its coefficient."""
 
 
 class RegressorNetwork(nn.Module):
@@ -45,14 +34,14 @@ class RegressorNetwork(nn.Module):
     limit: Tensor
     pairs: Tensor
 
-    def __init__(self, pca: FeaturePca, controls: Controls) -> None:
+    def __init__(self, reduction: Reduction, controls: Controls) -> None:
         super().__init__()
 
         def constant(name: str, array: NDArray[np.floating]) -> None:
             self.register_buffer(name, torch.tensor(np.asarray(array, np.float32)))
 
-        constant("feature_mean", pca.mean)
-        constant("projection", pca.projection)
+        constant("feature_mean", reduction.mean)
+        constant("projection", reduction.projection)
         constant("start", controls.start)
         constant("lower", controls.lower)
         constant("upper", controls.upper)
@@ -61,7 +50,7 @@ class RegressorNetwork(nn.Module):
         constant("to_coefficients", controls.to_coefficients)
         constant("limit", controls.limit)
         self.register_buffer("pairs", torch.from_numpy(controls.pairs))
-        inputs = pca.projection.shape[1] + 3 + len(controls.lower)
+        inputs = reduction.projection.shape[1] + 3 + len(controls.lower)
         self.layers = nn.Sequential(
             nn.Linear(inputs, HIDDEN),
             nn.ReLU(),

@@ -14,7 +14,6 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from ..driver.features import BLOCKS
 from ..gem import Gem
 from ..gemfile import load_gem
 from .closing import ClosedLoop, descend
@@ -22,15 +21,12 @@ from .controls import Controls, controls_of
 from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
-from .network import FeaturePca, RegressorNetwork
+from .network import RegressorNetwork
+from .reduction import compared_channels
 from .rehearsal import rehearse
 from .response import Responses, fit_response, joined, measure_responses
 from .strangers import Crowd, Person, crowd, in_tolerances
 
-COMPONENTS = 50
-"""Equation 3: the features are reduced to so many numbers."""
-SIGMA_FLOOR = 1e-3
-"""Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
 CROWD = 40_000
 """Moments of invented people to follow."""
 REHEARSALS = 2
@@ -136,7 +132,7 @@ def regressor_for(
         own = joined([own, acted])
     avatar, r2 = person_of(own, steps, seed, RESPONSES)
     school = _School(controls, [avatar, *others], footage, rng)
-    before = school.mismatch([RegressorNetwork(school.pca, controls)])
+    before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = [school.network(steps, seed + one, progress) for one in range(COMMITTEE)]
     return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
 
@@ -149,7 +145,7 @@ class _School:
     ) -> None:
         self._controls, self._cast, self._footage, self._rng = controls, cast, footage, rng
         self._crowd, self._judges = self.people(CROWD), self.people(CROWD // 20)
-        self.pca = feature_pca(np.concatenate([cast[0].seen.features, self._crowd.features[:8000]]))
+        self.reduction = compared_channels(np.concatenate([cast[0].seen.features, self._crowd.features[:8000]]))
 
     def people(self, count: int) -> Crowd:
         """``count`` moments of invented people."""
@@ -158,25 +154,13 @@ class _School:
     def network(self, steps: int, seed: int, progress: Progress) -> RegressorNetwork:
         """A network of its own, trained."""
         torch.manual_seed(seed)
-        network = RegressorNetwork(self.pca, self._controls)
+        network = RegressorNetwork(self.reduction, self._controls)
         descend(network, ClosedLoop(network, self._cast[0], self._crowd).loss, steps, progress)
         return network
 
     def mismatch(self, members: Sequence[RegressorNetwork]) -> float:
         """Of the mean of their answers, on people held out of training."""
         return ClosedLoop(members[0], self._cast[0], self._judges).mismatch(members)
-
-
-def feature_pca(features: NDArray[np.float32]) -> FeaturePca:
-    """Equation 3 on relative features [S, D], every block scaled to the same spread."""
-    scale = np.ones(features.shape[1])
-    for block in BLOCKS.values():
-        scale[block] = np.sqrt(features[:, block].var(0).sum())
-    mean = features.mean(0)
-    _, spread, directions = np.linalg.svd((features - mean) / scale, full_matrices=False)
-    kept = min(COMPONENTS, int(np.count_nonzero(spread > SIGMA_FLOOR * spread[0])))
-    sigma = spread[:kept] / np.sqrt(len(features) - 1)
-    return FeaturePca(mean.astype(np.float32), (directions[:kept] / scale / sigma[:, None]).T.astype(np.float32))
 
 
 def pictures_of(gem: Gem, count: int, seed: int, progress: Callable[[int, int], None] = _silent) -> Responses:

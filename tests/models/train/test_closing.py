@@ -14,10 +14,11 @@ from gemheads.models.train import closing  # noqa: E402
 from gemheads.models.train.closing import ClosedLoop, descend  # noqa: E402
 from gemheads.models.train.controls import controls_of  # noqa: E402
 from gemheads.models.train.expressions import random_weights  # noqa: E402
-from gemheads.models.train.network import FeaturePca, RegressorNetwork  # noqa: E402
+from gemheads.models.train.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.reduction import Reduction, principal_components  # noqa: E402
 from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
 from gemheads.models.train.strangers import Crowd, Person, in_tolerances  # noqa: E402
-from gemheads.models.train.train_regressor import feature_pca, person_of  # noqa: E402
+from gemheads.models.train.train_regressor import person_of  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 
 COUNT = 600
@@ -43,7 +44,7 @@ def scene() -> tuple[RegressorNetwork, Person, Crowd]:
     shapes = np.linalg.lstsq(weights, wanted, rcond=None)[0].astype("f4")
     seen = Responses(weights, np.zeros((COUNT, 3), "f4"), features)
     torch.manual_seed(0)
-    network = RegressorNetwork(feature_pca(features), controls_of(toy_gem()))
+    network = RegressorNetwork(principal_components(features), controls_of(toy_gem()))
     return network, Person(seen, answering(shapes)), Crowd(features, seen.rotations, wanted, ~weights.any(1))
 
 
@@ -54,7 +55,7 @@ def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd])
     descend(network, loop.loss, 150, lambda stage, done, total: None)
     assert loop.mismatch() < 0.6 * before
     untrained = RegressorNetwork(
-        FeaturePca(network.feature_mean.numpy(), network.projection.numpy()), controls_of(toy_gem())
+        Reduction(network.feature_mean.numpy(), network.projection.numpy()), controls_of(toy_gem())
     )
     assert (
         loop.mismatch([network]) == loop.mismatch() < loop.mismatch([network, untrained]) < loop.mismatch([untrained])
@@ -65,13 +66,13 @@ def test_the_halves_of_a_face_are_moved_together(
     scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     trained, avatar, people = scene
-    pca = FeaturePca(trained.feature_mean.numpy(), trained.projection.numpy())
+    reduction = Reduction(trained.feature_mean.numpy(), trained.projection.numpy())
     seen = torch.from_numpy(people.features), torch.from_numpy(people.rotations)
 
     def apart(price: float) -> float:
         monkeypatch.setattr(closing, "ONE_SIDED", price)
         torch.manual_seed(0)
-        network = RegressorNetwork(pca, controls_of(toy_gem()))
+        network = RegressorNetwork(reduction, controls_of(toy_gem()))
         descend(network, ClosedLoop(network, avatar, people).loss, 150, lambda stage, done, total: None)
         with torch.no_grad():
             moved = network.weights(*seen) - network.started(seen[0])
@@ -87,7 +88,7 @@ def test_an_avatar_that_is_steered_by_coefficients_has_no_halves(
     controls = controls_of(toy_gem(rigged=False))
     assert len(controls.pairs) == 0
     _, avatar, people = scene
-    network = RegressorNetwork(feature_pca(people.features), controls)
+    network = RegressorNetwork(principal_components(people.features), controls)
     count = len(controls.upper)
     response = ResponseModel(count, people.wanted.shape[1]).requires_grad_(False)
     seen = replace(avatar.seen, weights=np.zeros((COUNT, count), "f4"))

@@ -18,6 +18,7 @@ from gemheads.models.train.controls import HARDLY_READ, HARDLY_READ_REACH, UNREA
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.expressions import OF_MOUTH, random_coefficients, random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.reduction import compared_channels, principal_components  # noqa: E402
 from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
 from gemheads.models.train.strangers import (  # noqa: E402
     Crowd,
@@ -27,7 +28,6 @@ from gemheads.models.train.strangers import (  # noqa: E402
     in_tolerances,
     pose_leak,
 )
-from gemheads.models.train.train_regressor import feature_pca  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 
 
@@ -37,7 +37,7 @@ def relative_features(count: int, seed: int = 0) -> np.ndarray:
 
 def network_of(controls: Controls, trained: bool = True) -> RegressorNetwork:
     torch.manual_seed(0)
-    network = RegressorNetwork(feature_pca(relative_features(300)), controls)
+    network = RegressorNetwork(principal_components(relative_features(300)), controls)
     if trained:
         with torch.no_grad():
             for parameter in network.parameters():
@@ -168,13 +168,28 @@ def test_random_coefficients_respect_their_bounds() -> None:
     assert (weights.std(0) > 0.2 * controls.upper).all()
 
 
-def test_feature_pca_whitens_and_drops_what_is_only_rounding() -> None:
+def test_principal_components_are_whitened_and_drop_what_is_only_rounding() -> None:
     rng = np.random.default_rng(0)
     flat = rng.normal(size=(400, 7)) @ rng.normal(size=(7, DIMENSION))
-    pca = feature_pca(flat.astype("f4"))
-    kappa = (flat - pca.mean) @ pca.projection
+    reduction = principal_components(flat.astype("f4"))
+    kappa = (flat - reduction.mean) @ reduction.projection
     assert kappa.shape[1] == 7
     np.testing.assert_allclose(np.cov(kappa.T), np.eye(7), atol=1e-3)
+
+
+def test_compared_channels_are_all_that_a_network_of_the_closed_loop_sees() -> None:
+    rng = np.random.default_rng(0)
+    features = (rng.normal(size=(400, DIMENSION)) * rng.uniform(0.05, 0.5, DIMENSION)).astype("f4")
+    places = channel_indices()
+    features[:, places[3]] = 0.2
+    reduction = compared_channels(features)
+    kappa = (features - reduction.mean) @ reduction.projection
+    differ = np.arange(len(places)) != 3
+    np.testing.assert_allclose(kappa.std(0)[differ], 1, atol=1e-3)
+    np.testing.assert_allclose(kappa[:, 3], 0, atol=1e-3)
+    others = np.setdiff1d(np.arange(DIMENSION), places)
+    features[:, others] += rng.normal(size=(400, len(others)))
+    np.testing.assert_allclose((features - reduction.mean) @ reduction.projection, kappa, atol=1e-5)
 
 
 def test_pose_leak_is_found_beside_expressions() -> None:
