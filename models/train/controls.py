@@ -36,6 +36,9 @@ _TOGETHER = tuple(
 )
 """Both eyes look at one thing: each starts from the mean of what is read on the two, with less of the noise."""
 
+_NEARLY_ONE = 0.9999
+"""Of 3 sigma: what is nearer to it cannot be told from it."""
+
 
 @dataclass(frozen=True)
 class Controls:
@@ -61,6 +64,12 @@ class Controls:
     def coefficients(self, weights: NDArray[np.float32]) -> NDArray[np.float32]:
         """Coefficients [..., coefficients] of weights [..., E], softly limited to 3 sigma as in equation 4."""
         return self.limit * np.tanh((self.rest + weights @ self.to_coefficients) / self.limit)
+
+    def weights(self, coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Weights [..., E] within their bounds that give coefficients [..., coefficients], by least squares."""
+        shares = np.clip(coefficients / self.limit, -_NEARLY_ONE, _NEARLY_ONE)
+        offsets = self.limit * np.arctanh(shares) - self.rest
+        return np.clip(offsets @ np.linalg.pinv(self.to_coefficients), self.lower, self.upper).astype(np.float32)
 
 
 def controls_of(gem: Gem) -> Controls:

@@ -1,4 +1,4 @@
-"""Pictures of an avatar at what its regressor answers: random faces say little of the few that it will be asked for.
+"""Pictures of an avatar at what a regressor answers: random faces say little of the few that it will be asked for.
 
 A network that is trained against a model of the avatar's response finds the faces at which the model errs. Drawn and
 read, they correct it.
@@ -8,7 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
+from ..driver.regressor import Regressor
 from ..gem import Gem
 from .controls import Controls
 from .network import RegressorNetwork
@@ -22,20 +24,31 @@ UNREST, UNREST_SHARE = 0.06, 0.7
 known, too."""
 
 
+def answers_of(network: RegressorNetwork, people: Crowd) -> NDArray[np.float32]:
+    """[S, E] control weights that a network gives each moment of ``people``."""
+    with torch.no_grad():
+        return network.weights(torch.from_numpy(people.features), torch.from_numpy(people.rotations)).numpy()
+
+
+def remembered(regressor: Regressor, controls: Controls, people: Crowd) -> NDArray[np.float32]:
+    """[S, E] control weights that the regressor which an avatar has gives each moment of ``people``."""
+    moments = zip(people.features, people.rotations, strict=True)
+    return controls.weights(np.stack([regressor(features, rotation) for features, rotation in moments]))
+
+
 def rehearse(
     gem: Gem,
     controls: Controls,
-    network: RegressorNetwork,
+    answers: NDArray[np.float32],
     people: Crowd,
     rng: np.random.Generator,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Responses:
-    """Draws and reads the avatar as it would follow each moment of ``people``. Raises AvatarNotSeen."""
-    with torch.no_grad():
-        answers = network.weights(torch.from_numpy(people.features), torch.from_numpy(people.rotations)).numpy()
+    """Draws and reads the avatar as it follows each moment of ``people`` with ``answers`` [S, E]. Raises
+    AvatarNotSeen."""
     moved = rng.random((len(people), 1)) < UNREST_SHARE
-    answers = answers + moved * rng.normal(0, UNREST, answers.shape)
-    weights = np.clip(answers, controls.lower, controls.upper).astype(np.float32)
+    played = answers + moved * rng.normal(0, UNREST, answers.shape)
+    weights = np.clip(played, controls.lower, controls.upper).astype(np.float32)
     rotations = people.rotations.copy()
     rotations[rng.random(len(people)) < FRONTAL_SHARE] = 0
     return measure_responses(gem, controls, weights, rng, progress, rotations)

@@ -14,6 +14,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from ..driver.regressor import Regressor, RegressorError
 from ..gem import Gem
 from ..gemfile import load_gem
 from .closing import ClosedLoop, descend
@@ -23,20 +24,21 @@ from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .network import RegressorNetwork
 from .reduction import compared_channels
-from .rehearsal import rehearse
+from .rehearsal import answers_of, rehearse, remembered
 from .response import Responses, fit_response, joined, measure_responses
 from .strangers import Crowd, Person, crowd, in_tolerances
 
 CROWD = 40_000
 """Moments of invented people to follow."""
 REHEARSALS = 2
-"""So often a regressor acts before the tracker; the second finds out where the first made the response wrong."""
+"""So often a regressor acts before the tracker; the second finds out where the first made the response wrong. The first
+is the one that the avatar has, if it has one: it was taught well already."""
 REHEARSAL_STEPS = 0.5
 """Its steps, against those of the ones that ship."""
 REHEARSED = 0.4
 """Pictures that it acts in, against the random ones."""
-STRANGERS = 0.6
-"""Pictures of each companion, against the random ones of the avatar."""
+FEWEST_OF_STRANGERS = 200
+"""Pictures of each companion, however few there are of the avatar."""
 RESTING = 0.12
 """Of an avatar's pictures so many show it at rest while its head turns: most of the time people do no more."""
 RESPONSES = 3
@@ -85,7 +87,7 @@ def train_regressor(
         companions: other avatars, which play strangers.
         videos: any videos of faces, unlabelled; they need not be of one person.
         pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
-            learned; of companions fewer.
+            learned; of each companion as many.
         steps: training steps of each network; more follow the avatars better and people worse.
         seed: makes the run repeatable.
         progress: called with the stage's name, steps done and steps in all.
@@ -120,21 +122,37 @@ def regressor_for(
     """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it."""
     rng, controls = np.random.default_rng(seed), controls_of(gem)
     own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total))
-    count = max(200, int(pictures * STRANGERS))
-    seen = [pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total)) for one in companions]
+    count = max(FEWEST_OF_STRANGERS, pictures)
+    seen = [
+        pictures_of(one, count, seed + other, lambda done, total: progress("strangers", done, total))
+        for other, one in enumerate(companions, 1)
+    ]
     others = [person_of(one, steps, seed)[0] for one in seen]
+    practised = _practised(gem)
     for _ in range(REHEARSALS):
-        avatar, _ = person_of(own, steps, seed, RESPONSES)
-        school = _School(controls, [avatar, *others], footage, rng)
-        network = school.network(max(1, int(steps * REHEARSAL_STEPS)), seed, progress)
-        audience = school.people(max(1, int(pictures * REHEARSED)))
-        acted = rehearse(gem, controls, network, audience, rng, lambda done, total: progress("rehearsal", done, total))
+        avatar, _ = person_of(own, steps, seed, RESPONSES if practised is None else 1)
+        cast = [avatar, *others]
+        audience = crowd(cast, footage, max(1, int(pictures * REHEARSED)), rng)
+        if practised is not None:
+            answers, practised = remembered(practised, controls, audience), None
+        else:
+            school = _School(controls, cast, footage, rng)
+            answers = answers_of(school.network(max(1, int(steps * REHEARSAL_STEPS)), seed, progress), audience)
+        acted = rehearse(gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total))
         own = joined([own, acted])
     avatar, r2 = person_of(own, steps, seed, RESPONSES)
     school = _School(controls, [avatar, *others], footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = [school.network(steps, seed + one, progress) for one in range(COMMITTEE)]
     return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
+
+
+def _practised(gem: Gem) -> Regressor | None:
+    """The regressor that an avatar has; None where it has none that can be used, which is why it is trained again."""
+    try:
+        return None if gem.regressor is None else Regressor(gem.regressor, gem.coefficient_count)
+    except RegressorError:
+        return None
 
 
 class _School:

@@ -1,6 +1,7 @@
 """The regressor's training, in parts and on a small scale; the real thing is measured by tests/bench/closed_loop.py."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import onnxruntime
@@ -9,6 +10,7 @@ from gemheads.models.arkit import NAMES
 from gemheads.models.driver.baseline import GAIN, baseline_weights
 from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
 from gemheads.models.driver.regressor import Regressor
+from gemheads.models.gemfile import load_gem
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
@@ -29,6 +31,8 @@ from gemheads.models.train.strangers import (  # noqa: E402
     pose_leak,
 )
 from toygem import toy_gem  # noqa: E402
+
+MARA = Path(__file__).parents[3] / "assets" / "avatars" / "mara.gem"
 
 
 def relative_features(count: int, seed: int = 0) -> np.ndarray:
@@ -264,7 +268,7 @@ def test_of_a_face_at_rest_nothing_is_followed() -> None:
     assert 0.1 < filmed.resting.mean() < 0.23  # of strangers in a film nobody knows when they rest
 
 
-def test_a_rehearsal_draws_what_the_network_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> None:
     controls, rng = controls_of(toy_gem()), np.random.default_rng(0)
     network = network_of(controls)
     features, rotations = relative_features(400, 3), rng.normal(0, 0.2, (400, 3)).astype("f4")
@@ -276,9 +280,8 @@ def test_a_rehearsal_draws_what_the_network_answers(monkeypatch: pytest.MonkeyPa
         return drawn[-1]
 
     monkeypatch.setattr(rehearsal, "measure_responses", drawing)
-    acted = rehearsal.rehearse(toy_gem(), controls, network, audience, rng)
-    with torch.no_grad():
-        answers = network.weights(torch.from_numpy(features), torch.from_numpy(rotations)).numpy()
+    answers = rehearsal.answers_of(network, audience)
+    acted = rehearsal.rehearse(toy_gem(), controls, answers, audience, rng)
     assert (acted.weights >= 0).all()
     assert (acted.weights <= 1).all()
     assert 0.1 < (np.abs(acted.weights - answers).max(1) < 1e-6).mean() < 0.5
@@ -286,6 +289,63 @@ def test_a_rehearsal_draws_what_the_network_answers(monkeypatch: pytest.MonkeyPa
     frontal = (acted.rotations == 0).all(1)
     assert 0.3 < frontal.mean() < 0.5
     np.testing.assert_array_equal(acted.rotations[~frontal], rotations[~frontal])
+
+
+def test_the_weights_of_coefficients_are_found_again() -> None:
+    controls = controls_of(load_gem(MARA))
+    weights = random_weights(300, np.random.default_rng(0)) * 0.6
+    np.testing.assert_allclose(controls.weights(controls.coefficients(weights)), weights, atol=2e-3)
+    beyond = controls.weights(np.stack([controls.limit, -controls.limit]))
+    assert np.isfinite(beyond).all()
+    assert (beyond >= controls.lower).all()
+    assert (beyond <= controls.upper).all()
+
+
+def test_a_regressor_is_remembered_as_the_network_it_was() -> None:
+    gem = load_gem(MARA)
+    controls = controls_of(gem)
+    network = network_of(controls)
+    audience = Crowd(relative_features(30, 3), np.zeros((30, 3), "f4"), np.zeros((30, 1), "f4"), np.zeros(30, np.bool_))
+    regressor = Regressor(export_onnx([network]), gem.coefficient_count)
+    found, given = (
+        controls.coefficients(weights)
+        for weights in (rehearsal.remembered(regressor, controls, audience), rehearsal.answers_of(network, audience))
+    )
+    assert np.abs(given - gem.rest_coefficients).max() > 0.1
+    np.testing.assert_allclose(found / controls.limit, given / controls.limit, atol=5e-3)
+
+
+@pytest.mark.parametrize("usable", [True, False])
+def test_an_avatar_that_has_a_regressor_rehearses_with_it_first(usable: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that cannot be used is why people train again: no error."""
+    toy = toy_gem()
+    controls = controls_of(toy)
+    gem = replace(toy, regressor=export_onnx([network_of(controls)]) if usable else b"of another version")
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(0, 0.1, (rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    recalled: list[int] = []
+    acted: list[np.ndarray] = []
+
+    def recalling(regressor, controls, people):
+        recalled.append(len(people))
+        return np.full((len(people), len(NAMES)), 0.125, "f4")
+
+    def acting(gem, controls, answers, people, rng, progress):
+        acted.append(answers)
+        return linear_person(shapes, leak, len(people), len(acted)).seen
+
+    monkeypatch.setattr(train_regressor, "CROWD", 400)
+    monkeypatch.setattr(train_regressor, "pictures_of", lambda *_: linear_person(shapes, leak, 200).seen)
+    monkeypatch.setattr(train_regressor, "remembered", recalling)
+    monkeypatch.setattr(train_regressor, "rehearse", acting)
+    graph, report = train_regressor.regressor_for(
+        gem, [], np.empty((0, DIMENSION + 3), "f4"), pictures=200, steps=8, seed=0
+    )
+    Regressor(graph, gem.coefficient_count)
+    assert len(acted) == train_regressor.REHEARSALS
+    assert recalled == ([len(acted[0])] if usable else [])
+    assert ((acted[0] == 0.125).all(), (acted[1] == 0.125).any()) == (usable, False)
+    assert report.pictures == 200 + sum(len(one) for one in acted)
 
 
 def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.MonkeyPatch) -> None:
