@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from ..models.driver.features import BLOCKS, relative_rotation
 from ..models.driver.measures import MEASURES
 from ..models.driver.neutral import NeutralChoice
-from ..models.gem import Gem
+from .casting import Avatar, expression_of
 from .coach import Coaching, coach
-from .following import Express
 from .median import geometric_median
 from .shots import Observed
 
@@ -31,8 +30,8 @@ CLOSING = 0.8
 FAR_OFF = 3.0
 """A picture that is this many times further from the median than most is an outlier."""
 MOST_RESIDUAL = 0.06
-"""Of the length of sigma, by what the tracker's scores alone make of a face: the same however an avatar was taught. A
-tenth of the stillest faces have more, and six tenths of those that talk."""
+"""Of the length of sigma, by what the tracker's scores alone make of a face: the same however an avatar was taught. The
+demo clip's face has .01 at rest, .1 while it talks with its lips together."""
 MOST_LEARNED_RESIDUAL = 0.15
 """The same by the regressor of an avatar that knows no ARKit shapes."""
 
@@ -118,12 +117,15 @@ def step(session: RestSession, observed: Observed | None, rate: float, now: floa
     return replace(session, remaining=max(0.0, COLLECT_SECS - elapsed))
 
 
-def judge(session: RestSession, express: Express, gem: Gem, most: float = MOST_RESIDUAL) -> Resting | None:
+def judge(session: RestSession, avatar: Avatar) -> Resting | None:
     """The neutral of a session that is done; None when it saw too little of a face to speak of one.
 
-    ``express`` is a way to drive ``gem``: what it makes of the collected pictures, relative to the neutral, is what an
-    avatar would do while its driver does nothing. ``most`` of it is accepted.
+    What the collected pictures, relative to the neutral, make of ``avatar`` is what it would do while its driver does
+    nothing: by the scores where it knows their shapes, else by its regressor. Raises InputError when it has neither.
     """
+    rigged = avatar.gem.arkit_weights is not None
+    express = expression_of(avatar, "baseline" if rigged else "learned")
+    most = MOST_RESIDUAL if rigged else MOST_LEARNED_RESIDUAL
     samples, blinks = _without_blinks(session.samples)
     if len(samples) < FEWEST:
         return None
@@ -137,7 +139,7 @@ def judge(session: RestSession, express: Express, gem: Gem, most: float = MOST_R
         np.linalg.norm(express(f - neutral, relative_rotation(r, rotation)) - still)
         for f, r in zip(features[kept], rotations[kept], strict=True)
     ]
-    residual = float(np.median(moved) / np.linalg.norm(gem.sigma))
+    residual = float(np.median(moved) / np.linalg.norm(avatar.gem.sigma))
     reason = (
         f"your face at rest: {int(kept.sum())} pictures, {blinks} blinks and {int((~kept).sum())} outliers left out"
     )

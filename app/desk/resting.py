@@ -3,30 +3,12 @@
 from datetime import date
 
 from ...models.driver.neutral import NeutralChoice
-from ..casting import Avatar, expression_of
+from ..casting import Avatar
 from ..errors import CommandError
 from ..profiles import load_profile, save_profile
-from ..restface import (
-    COLLECT_SECS,
-    COUNTDOWN_SECS,
-    MOST_LEARNED_RESIDUAL,
-    MOST_RESIDUAL,
-    TOO_FEW,
-    Resting,
-    RestSession,
-    judge,
-    step,
-)
+from ..restface import COLLECT_SECS, COUNTDOWN_SECS, TOO_FEW, Resting, RestSession, judge, step
 from ..shots import Health, Shot
 from .view import Rest
-
-
-def judged(session: RestSession, avatar: Avatar) -> Resting | None:
-    """The neutral of a session that is done, as ``restface.judge`` gives it: by the scores where the avatar knows
-    their shapes, else by its regressor."""
-    if avatar.gem.arkit_weights is not None:
-        return judge(session, expression_of(avatar, "baseline"), avatar.gem, MOST_RESIDUAL)
-    return judge(session, expression_of(avatar, "learned"), avatar.gem, MOST_LEARNED_RESIDUAL)
 
 
 class NeutralTaking:
@@ -58,7 +40,7 @@ class NeutralTaking:
         self._session = step(self._session, observed, health.rate, now)
         if self._session.phase != "done":
             return None
-        resting = judged(self._session, avatar)
+        resting = judge(self._session, avatar)
         self._session = None
         if resting is None:
             self._said = Rest(result=_sentence(TOO_FEW))

@@ -86,7 +86,7 @@ class Rest:
     """Share of the features taken, in [0, 1]."""
     result: str = ""
     score: float | None = None
-    """||k|| / sigma that is left, less is better; accepted below ``restface.MOST_RESIDUAL``."""
+    """||k|| / sigma that is left, less is better; ``restface.judge`` says how little is accepted."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from gemheads.app.casting import Avatar, open_avatar
 from gemheads.app.coach import coach
-from gemheads.app.desk.resting import judged
 from gemheads.app.library import DEMO_CLIP, find_avatar
 from gemheads.app.restface import (
     COLLECT_SECS,
@@ -13,6 +12,7 @@ from gemheads.app.restface import (
     MOST_LEARNED_RESIDUAL,
     MOST_RESIDUAL,
     RestSession,
+    judge,
     step,
 )
 from gemheads.app.shots import Observed
@@ -118,7 +118,7 @@ def test_a_whole_session_coaches_counts_down_and_collects(clip: list[Observed], 
     assert list(dict.fromkeys(phases)) == ["coaching", "countdown", "collecting", "done"]
     assert now == pytest.approx(0.5 + COUNTDOWN_SECS + COLLECT_SECS, abs=0.15)
     assert phases.count("countdown") == pytest.approx(COUNTDOWN_SECS * RATE, abs=2)
-    resting = judged(session, avatar)
+    resting = judge(session, avatar)
     assert resting is not None
     assert resting.accepted, resting.why
     assert resting.residual < MOST_RESIDUAL / 4
@@ -143,7 +143,7 @@ def test_the_countdown_says_its_numbers_and_stops_for_a_turned_head(clip: list[O
 
 def test_blinks_do_not_count(clip: list[Observed], avatar: Avatar) -> None:
     blinking = [*for_two_secs(clip[STILL])[:20], *clip[BLINKING], *for_two_secs(clip[STILL])[:34]]
-    without, within = judged(played(for_two_secs(clip[STILL])), avatar), judged(played(blinking), avatar)
+    without, within = judge(played(for_two_secs(clip[STILL])), avatar), judge(played(blinking), avatar)
     assert without is not None
     assert within is not None
     assert within.accepted
@@ -159,7 +159,7 @@ def test_outliers_do_not_count(clip: list[Observed], avatar: Avatar) -> None:
         features = jumped[number].features.copy()
         features[BLOCKS["mesh"]] += 3.0
         jumped[number] = replace(jumped[number], features=features)
-    calm, tossed = judged(played(for_two_secs(clip[STILL])), avatar), judged(played(jumped), avatar)
+    calm, tossed = judge(played(for_two_secs(clip[STILL])), avatar), judge(played(jumped), avatar)
     assert calm is not None
     assert tossed is not None
     assert tossed.accepted
@@ -176,7 +176,7 @@ def talking(clip: list[Observed]) -> list[Observed]:
 @pytest.mark.parametrize("name", ["mara", "theo", "jonah"])
 def test_a_talking_face_is_refused_and_told_why(clip: list[Observed], name: str) -> None:
     shown = open_avatar(find_avatar(name))
-    moved, calm = (judged(played(seen), shown) for seen in (talking(clip), for_two_secs(clip[STILL])))
+    moved, calm = (judge(played(seen), shown) for seen in (talking(clip), for_two_secs(clip[STILL])))
     assert moved is not None
     assert calm is not None
     assert not moved.accepted
@@ -189,7 +189,7 @@ def test_a_talking_face_is_refused_and_told_why(clip: list[Observed], name: str)
 
 def test_an_avatar_that_knows_no_shapes_judges_by_its_regressor(clip: list[Observed], avatar: Avatar) -> None:
     shapeless = replace(avatar, gem=replace(avatar.gem, arkit_weights=None))
-    moved, calm = (judged(played(seen), shapeless) for seen in (talking(clip), for_two_secs(clip[STILL])))
+    moved, calm = (judge(played(seen), shapeless) for seen in (talking(clip), for_two_secs(clip[STILL])))
     assert moved is not None
     assert calm is not None
     assert f"allowed {MOST_LEARNED_RESIDUAL}" in moved.why
@@ -202,7 +202,7 @@ def test_a_face_that_leaves_gives_nothing(clip: list[Observed], avatar: Avatar) 
     for number in range(120):
         session = step(session, None, RATE, 0.3 + number / RATE)
     assert session.phase == "done"
-    assert judged(session, avatar) is None
+    assert judge(session, avatar) is None
 
 
 def test_the_same_picture_is_not_counted_twice(clip: list[Observed]) -> None:
