@@ -166,7 +166,7 @@ def train_regressor(
     *sources: Path,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
-    pictures: int = 2500,
+    pictures: int = 4000,
     steps: int | None = None,
     seed: int = 0,
     labels: Path | None = None,

@@ -52,7 +52,7 @@ def perform(rng: np.random.Generator, frames: int = 600) -> Weights:
     sheet += [weights_of(**emotion) for emotion in EMOTIONS.values()]
     sheet += [weights_of(**viseme) for viseme in VISEMES.values()]
     while len(sheet) < frames:
-        sheet.append(_mixture(rng))
+        sheet.append(mixture(rng))
     return plausible(np.stack(sheet[:frames]))
 
 
@@ -88,8 +88,8 @@ def gaze(horizontal: float, vertical: float) -> Weights:
     )
 
 
-def _mixture(rng: np.random.Generator) -> Weights:
-    """One random face: speech, feeling, gaze and lids, sometimes with odd single muscles."""
+def mixture(rng: np.random.Generator) -> Weights:
+    """One random face [52], not yet ``plausible``: speech, feeling, gaze, lids, sometimes with odd single muscles."""
     visemes, emotions = list(VISEMES.values()), list(EMOTIONS.values())
     face = np.zeros(len(NAMES), np.float32)
     if rng.random() < 0.7:

@@ -12,8 +12,8 @@ from ..gem import CLAMP_SIGMAS, Gem
 
 ARKIT_REACH = 0.7
 """How far training may move an ARKit weight from the tracker's own reading of it."""
-UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.0
-"""The same for gaze: looking aside goes round the network, as on strangers training only blurred what is read; looking
+UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.3
+"""The same for gaze: looking aside is read well as it is, and only corrected for what lids and cheeks do to it; looking
 up and down moves the lids, which the scores do not tell from the eyes."""
 UNREAD = tuple(name for name in NAMES if name not in SCORE_NAMES)
 """The tracker reads these on nobody. They stay still: training knows nothing of what they should do, and would pull
@@ -34,7 +34,8 @@ _TOGETHER = tuple(
     tuple(NAMES.index(f"eyeLook{name}") for name in pair)
     for pair in (("OutLeft", "InRight"), ("InLeft", "OutRight"), ("UpLeft", "UpRight"), ("DownLeft", "DownRight"))
 )
-"""Both eyes look at one thing: each starts from the mean of what is read on the two, with less of the noise."""
+"""Both eyes look at one thing: they start from the mean of what is read on the two, with less of the noise, and
+training moves them as one. Each by itself would squint where that is read a little better; no correlation shows it."""
 
 _NEARLY_ONE = 0.9999
 """Of 3 sigma: what is nearer to it cannot be told from it."""
@@ -52,6 +53,8 @@ class Controls:
     """[E] greatest distance from the unlearned start."""
     pairs: NDArray[np.int64]
     """[Q, 2] weights of the same movement of a face's left and right half."""
+    leaders: NDArray[np.int64]
+    """[E] the weight whose learned movement each makes: its own, or that of the other eye."""
     start: NDArray[np.float32]
     """[scores, E] the unlearned reading of relative scores as weights, before clipping to the bounds."""
     to_coefficients: NDArray[np.float32]
@@ -80,8 +83,10 @@ def controls_of(gem: Gem) -> Controls:
     for column, name in enumerate(NAMES):
         if name in SCORE_NAMES:
             start[SCORE_NAMES.index(name), column] = GAIN
+    leaders = np.arange(len(NAMES))
     for pair in _TOGETHER:
         start[:, pair] = start[:, pair].mean(1, keepdims=True)
+        leaders[list(pair)] = pair[0]
     ones = np.ones(len(NAMES), np.float32)
     reach = np.array([_reach(name) for name in NAMES], np.float32)
     return Controls(
@@ -89,6 +94,7 @@ def controls_of(gem: Gem) -> Controls:
         ones,
         reach,
         np.array(PARTNERS),
+        leaders,
         start,
         np.asarray(gem.arkit_weights, np.float32),
         gem.rest_coefficients,
@@ -123,6 +129,7 @@ def free_controls(gem: Gem) -> Controls:
         bound,
         bound,
         np.empty((0, 2), np.int64),
+        np.arange(count),
         start,
         np.diag(sigma).astype(np.float32),
         gem.rest_coefficients,

@@ -114,8 +114,9 @@ def _answer(graph: _Graph, prefix: str, member: RegressorNetwork, shared: Mappin
     hidden = graph.node("Concat", kappa, rotation, start, axis=1)
     indices = sorted({int(name.split(".")[1]) for name in own if name.startswith("layers.")})
     for position, index in enumerate(indices):
-        weight = graph.learned(f"{prefix}weight_{position}", own[f"layers.{index}.weight"])
-        bias = graph.learned(f"{prefix}bias_{position}", own[f"layers.{index}.bias"])
+        rows = own["leaders"] if index == indices[-1] else slice(None)
+        weight = graph.learned(f"{prefix}weight_{position}", own[f"layers.{index}.weight"][rows])
+        bias = graph.learned(f"{prefix}bias_{position}", own[f"layers.{index}.bias"][rows])
         hidden = graph.node("Gemm", hidden, weight, bias, transB=1)
         if index != indices[-1]:
             hidden = graph.node("Relu", hidden)

@@ -1,9 +1,11 @@
-"""Random faces to learn from: ARKit weights that cover single movements, speech-like mixtures and extremes."""
+"""Random faces to learn from: ARKit weights that cover speech, bared teeth, single movements, mixtures and extremes."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arkit import NAMES, PARTNERS
+from ..heads.expressions import weights_of
+from ..heads.performance import mixture, plausible
 from .controls import Controls
 
 SYMMETRIC_SHARE = 0.75
@@ -12,9 +14,16 @@ SMALL_SHARE = 0.5
 """How often a whole face is done less strongly: people do most things by half."""
 OTHER_HALF = (0.3, 1.0)
 """Where it does not, the right side of a mixture does so much of what the left does."""
-MIXED_SHARE = 0.4
-"""How many faces are mixtures of any movements at once. What people do together nobody has listed: a snarl with the
-jaw closed is in no compound below, but a regressor that never saw how it is read will pull it."""
+SPOKEN_SHARE = 0.4
+"""How many faces speak and feel something, which is what people do before a camera."""
+BARED_SHARE = 0.5
+"""How many of these show teeth, most of them with the jaw all but closed, as grins and hissed sounds do. How an avatar
+is read there does not follow from how it is read with its jaw open."""
+AROUND_TEETH = ("mouthStretch", "mouthSmile", "mouthFunnel", "mouthFrown", "noseSneer", "mouthDimple", "mouthPucker",
+                "mouthShrugUpper", "mouthPress", "browDown", "browInnerUp")  # fmt: skip
+"""What a face that bares its teeth may do besides."""
+MIXED_SHARE = 0.35
+"""How many faces are mixtures of any movements at once: what people do together nobody has listed."""
 MOST_OF_MOUTH, MOST_OF_REST = 7, 4
 """Movements of the mouth, and of all else but the gaze, in one mixture."""
 COMPOUNDS: tuple[dict[str, float], ...] = (
@@ -55,7 +64,10 @@ def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
     """``count`` random faces as ARKit weights [count, 52] in [0, 1]; the first is neutral."""
     faces = np.zeros((count, len(NAMES)))
     for face in faces[1:]:
-        if rng.random() < MIXED_SHARE:
+        kind = rng.random()
+        if kind < SPOKEN_SHARE:
+            face += _speak(rng)
+        elif kind < SPOKEN_SHARE + MIXED_SHARE:
             _mix(face, rng)
         else:
             _compose(face, rng)
@@ -64,6 +76,17 @@ def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
         if rng.random() < 0.7:
             _look(face, rng)
     return np.clip(faces, 0, 1).astype(np.float32)
+
+
+def _speak(rng: np.random.Generator) -> NDArray[np.float32]:
+    """Speech and feeling, and teeth."""
+    face = mixture(rng)
+    if rng.random() < BARED_SHARE:
+        bared = weights_of(mouthUpperUp=rng.beta(1.5, 0.8), mouthLowerDown=rng.beta(1, 1.2), jawOpen=rng.beta(0.6, 3))
+        for name in rng.choice(AROUND_TEETH, rng.integers(0, 4), replace=False):
+            bared += weights_of(**{name: rng.beta(1, 1.2)})
+        face = rng.choice([0, 0.5, 1]) * face + rng.uniform(0.3, 1.1) * bared
+    return plausible(face[None])[0]
 
 
 def _compose(face: NDArray[np.float64], rng: np.random.Generator) -> None:

@@ -17,7 +17,7 @@ KAPPA_LIMIT = 4.0
 class RegressorNetwork(nn.Module):
     """Relative features r [B, D] and head rotation [B, 3] (radians) to control weights, and on to coefficients.
 
-    weights = clip(start(r) + reach tanh(MLP(kappa, rotation)))
+    weights = clip(start(r) + reach tanh(MLP(kappa, rotation)[leaders]))
     k = 3 sigma tanh((rest + weights @ to_coefficients) / (3 sigma))
 
     ``start`` is the unlearned reading of the scores, so that an untrained network already drives.
@@ -33,6 +33,7 @@ class RegressorNetwork(nn.Module):
     to_coefficients: Tensor
     limit: Tensor
     pairs: Tensor
+    leaders: Tensor
 
     def __init__(self, reduction: Reduction, controls: Controls) -> None:
         super().__init__()
@@ -50,6 +51,7 @@ class RegressorNetwork(nn.Module):
         constant("to_coefficients", controls.to_coefficients)
         constant("limit", controls.limit)
         self.register_buffer("pairs", torch.from_numpy(controls.pairs))
+        self.register_buffer("leaders", torch.from_numpy(controls.leaders))
         inputs = reduction.projection.shape[1] + 3 + len(controls.lower)
         self.layers = nn.Sequential(
             nn.Linear(inputs, HIDDEN),
@@ -74,7 +76,7 @@ class RegressorNetwork(nn.Module):
 
     def steered(self, inputs: Tensor, start: Tensor) -> Tensor:
         """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
-        return start + self.reach * torch.tanh(self.layers(inputs))
+        return start + self.reach * torch.tanh(self.layers(inputs)[:, self.leaders])
 
     def weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] within their bounds."""

@@ -75,7 +75,7 @@ def train_regressor(
     *,
     companions: Sequence[Path] = (),
     videos: Sequence[Path] = (),
-    pictures: int = 2500,
+    pictures: int = 4000,
     steps: int = 3000,
     seed: int = 0,
     progress: Progress = lambda stage, done, total: None,

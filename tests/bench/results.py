@@ -23,13 +23,13 @@ ELSEWHERE = {
     "ablations.md": ("Open choices", "python tests/bench/ablations.py CAPTURE RUN --docs docs/ablations.md"),
 }
 """Page in docs/ -> its heading here, and the command that prints it."""
-SEQUENCE = """examples/learn_an_avatar.sh learned
-gemheads train learned/capture -o learned/rigged --model rigged
-gemheads train learned/capture -o learned/blendshapes --model blendshapes
-gemheads train learned/capture -o learned/run64 --maps 64
+SEQUENCE = """STEPS=1000 ITERATIONS=1200 examples/learn_an_avatar.sh learned capture mesh train distill refine
+gemheads train learned/capture -o learned/rigged --model rigged --steps 1000
+gemheads train learned/capture -o learned/blendshapes --model blendshapes --steps 1000
+gemheads train learned/capture -o learned/run64 --maps 64 --steps 1000
 gemheads distill learned/run64 -o learned/maps64.gem --components 30
-gemheads evaluate learned/avatar.gem learned/capture --components 5 10 20 30 -o build/results/learned \\
-    --against learned/maps64.gem learned/run learned/rigged learned/blendshapes
+gemheads evaluate learned/refined.gem learned/capture --shots 12 --components 5 10 20 30 -o build/results/learned \\
+    --against learned/distilled.gem learned/maps64.gem learned/run learned/rigged learned/blendshapes
 gemheads evaluate mara --against theo jonah --drivers CLIP... -o build/results/strangers
 python tests/bench/peers/compare.py --write
 python tests/bench/ablations.py learned/capture learned/run --docs docs/ablations.md
