@@ -194,9 +194,9 @@ def test_an_avatar_that_knows_no_shapes_judges_by_its_regressor(clip: list[Obser
     assert calm is not None
     assert not moved.accepted
     assert f"allowed {MOST_LEARNED_RESIDUAL}" in moved.why
-    assert moved.residual > 1.2 * MOST_LEARNED_RESIDUAL
+    assert moved.residual > 1.4 * MOST_LEARNED_RESIDUAL
     assert calm.accepted
-    assert moved.residual > 3 * calm.residual
+    assert moved.residual > 8 * calm.residual
 
 
 def test_a_face_that_leaves_gives_nothing(clip: list[Observed], avatar: Avatar) -> None:

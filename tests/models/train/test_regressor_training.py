@@ -18,7 +18,7 @@ from gemheads.models.train import rehearsal, response, train_regressor  # noqa: 
 from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
 from gemheads.models.train.controls import HARDLY_READ, HARDLY_READ_REACH, UNREAD, Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
-from gemheads.models.train.expressions import OF_MOUTH, random_coefficients, random_weights  # noqa: E402
+from gemheads.models.train.expressions import random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
 from gemheads.models.train.reduction import compared_channels, principal_components  # noqa: E402
 from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
@@ -153,33 +153,6 @@ def test_a_graph_holds_only_operators_that_a_runtime_of_any_age_has() -> None:
     assert session.get_outputs()[0].shape == [1, 20]
 
 
-def test_random_faces_cover_every_weight_and_start_neutral() -> None:
-    weights = random_weights(2000, np.random.default_rng(0))
-    assert (weights[0] == 0).all()
-    assert weights.min() >= 0
-    assert weights.max() <= 1
-    assert (weights.std(0) > 0.02).all(), [n for n, s in zip(NAMES, weights.std(0), strict=True) if s <= 0.02]
-    np.testing.assert_array_equal(weights, random_weights(2000, np.random.default_rng(0)))
-
-
-def test_any_two_movements_of_the_mouth_are_done_together() -> None:
-    """What no compound lists, too: a regressor would use it without knowing how it is read."""
-    weights = random_weights(6000, np.random.default_rng(0))
-    done = np.stack([weights[:, places].min(1) > 0.3 for places in OF_MOUTH])
-    together = done.astype(int) @ done.T
-    assert together.min() >= 10, [NAMES[OF_MOUTH[i][0]] for i in np.unravel_index(together.argmin(), together.shape)]
-
-
-def test_teeth_are_bared_with_the_jaw_closed() -> None:
-    """How they are read does not follow from teeth behind an open jaw; grins and hissed sounds are nothing rare."""
-    weights = random_weights(6000, np.random.default_rng(0))
-    upper, lower, jaw = (
-        weights[:, NAMES.index(name)] for name in ("mouthUpperUpLeft", "mouthLowerDownLeft", "jawOpen")
-    )
-    assert ((upper > 0.3) & (lower > 0.3) & (jaw < 0.05)).sum() >= 60
-    assert ((upper > 0.7) & (jaw < 0.05)).sum() >= 60
-
-
 def test_what_the_tracker_does_not_read_stays_still() -> None:
     network = network_of(controls_of(toy_gem()))
     features = torch.from_numpy(relative_features(200, 5) * 5)
@@ -190,13 +163,6 @@ def test_what_the_tracker_does_not_read_stays_still() -> None:
     assert (hardly > 0).all()
     assert (hardly <= HARDLY_READ_REACH + 1e-6).all()
     assert moved[NAMES.index("jawOpen")] > HARDLY_READ_REACH
-
-
-def test_random_coefficients_respect_their_bounds() -> None:
-    controls = controls_of(toy_gem(rigged=False))
-    weights = random_coefficients(controls, 500, np.random.default_rng(0))
-    assert (np.abs(weights) <= controls.upper).all()
-    assert (weights.std(0) > 0.2 * controls.upper).all()
 
 
 def test_principal_components_are_whitened_and_drop_what_is_only_rounding() -> None:
