@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...render.camera import Camera
 from ..arkit import NAMES
 from .ingredients import Ingredients
-from .lips import CORNER, LOWER, MIDDLE, PURSES, hollowed, mouth_light, pursed
+from .lips import CORNER, LOWER, MIDDLE, PURSES, hollowed, mouth_light, pursed, rounding
 from .maps import load_map, sample_map
 from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
 from .meshview import see
@@ -41,7 +41,7 @@ GAIN = {
 """Factors on shapes that are timid: measured on the face tracker, whose scores of people they should reach."""
 LID_FOLLOWS = {"eyeLookUp": ("eyeWide", 0.6)}
 """Shape -> what it borrows, and how much: eyes that look up raise the lids, which MakeHuman's shape hardly does."""
-UPPER_TEETH_DROP, LOWER_TEETH_DROP = 0.034, 0.030
+UPPER_TEETH_DROP, LOWER_TEETH_DROP = 0.034, 0.042
 TONGUE_SHIFT = np.array([0.0, -0.05, -0.03])
 """Decimetres: MakeHuman's teeth hide behind the upper lip; incisors should reach just below where the lips meet."""
 
@@ -98,6 +98,9 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         for name, (lent, share) in LID_FOLLOWS.items():
             units[NAMES.index(name + side)] += share * units[NAMES.index(lent + side)]
     jaw_open = units[NAMES.index("jawOpen")]
+    arch = np.where(is_flesh[:, None], rounding(body, jaw_open), 0)
+    units[NAMES.index("mouthClose")] -= arch
+    jaw_open += arch
     for name, shape in PURSES.items():
         unit = units[NAMES.index(name)]
         units[NAMES.index(name)] = np.where(is_flesh[:, None], pursed(shape, unit, body, jaw_open), unit)

@@ -1,4 +1,7 @@
-"""Pursed lips: what pucker and funnel need beyond MakeHuman's shapes, which hardly narrow the mouth."""
+"""Lips: what an open jaw, pucker and funnel need beyond MakeHuman's shapes.
+
+MakeHuman's open mouth is a triangle on its point, and its pursed one hardly narrower than at rest.
+"""
 
 from dataclasses import dataclass
 
@@ -40,6 +43,24 @@ PURSES = {
     "mouthPucker": Purse(narrow=0.20, forward=0.02, full=0.12),
     "mouthFunnel": Purse(narrow=0.28, forward=0.03, up=0.035, down=0.05, kept=0.4),
 }
+
+
+def rounding(body: Floats, jaw_open: Floats) -> Floats:
+    """What to add to MakeHuman's jawOpen ``jaw_open`` [V, 3] on the base mesh ``body`` [V, 3], and to take off
+    mouthClose, which undoes it: [V, 3] decimetres by which lower lip and the skin below sink between corner and middle.
+
+    MakeHuman's lip runs almost straight from one to the other. With x^1.5 (1 - x) of the middle's drop added, at the
+    share x of the way out, it is an arch: close to 1 - x^3.5.
+    """
+    half = body[CORNER, 0]
+    x, y = np.abs(body[:, 0]) / half, (body[:, 1] - body[CORNER, 1]) / half
+    depth = body[MIDDLE, 2] - body[:, 2]
+    near = np.exp(-((y / 0.85) ** 4)) * np.clip(1.6 - depth / 0.2, 0, 1)
+    # the share of a point that moves with the jaw more than the corners do: none of the upper lip
+    lower = np.clip((jaw_open[CORNER, 1] - jaw_open[:, 1]) / 0.05, 0, 1)
+    sunk = np.zeros_like(jaw_open)
+    sunk[:, 1] = jaw_open[LOWER, 1] * np.clip(x**1.5 * (1 - x), 0, None) * near * lower
+    return sunk
 
 
 def pursed(shape: Purse, unit: Floats, body: Floats, jaw_open: Floats) -> Floats:

@@ -41,7 +41,7 @@ GAP_MM = 0.8
 """Half the width of the line between two crowns: splats lie a millimetre apart, and a finer line drowns in them."""
 GAP_SHADE = np.array([0.42, 0.50, 0.52])
 """What it takes of the enamel's colour."""
-LOWER_DIM = 0.72
+LOWER_DIM = 0.52
 """The lower row stands in the shadow of lip and upper row: as bright as the upper one it would be a blot in an open
 mouth, and one slab with it behind bared teeth."""
 

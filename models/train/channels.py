@@ -47,6 +47,14 @@ def channel_indices() -> NDArray[np.int64]:
     return np.array(scores + gaze + measures)
 
 
+def mouth_channels() -> NDArray[np.bool_]:
+    """[T] which of them say what the mouth and the jaw do."""
+    names = np.array([*SCORE_NAMES, *MEASURES])
+    places = np.r_[np.arange(SCORES.start, SCORES.stop), np.arange(BLOCKS["measures"].start, BLOCKS["measures"].stop)]
+    of_mouth = [name.startswith(("jaw", "mouth", "lip", "left_corner", "right_corner")) for name in names]
+    return np.isin(channel_indices(), places[of_mouth])
+
+
 def channel_tolerances() -> NDArray[np.float32]:
     """[T] how far apart two channels may be before it counts, in the unit of each."""
     tolerances = np.full(DIMENSION, SCORE_TOLERANCE, np.float32)

@@ -12,12 +12,16 @@ import torch
 from numpy.typing import NDArray
 
 from ..driver.features import BLOCKS, DIMENSION
-from .channels import channel_indices, channel_tolerances
+from .channels import channel_indices, channel_tolerances, mouth_channels
 from .response import ResponseModel, Responses, at_rest
 
 Floats = NDArray[np.float32]
 GAIN_SPREAD = 0.35
 """Standard deviation of the logarithm of how strongly a person moves a channel, against the avatars."""
+MOUTH_SPREAD = 0.5
+"""Standard deviation of how far each channel of an invented person's mouth is from what an avatar's would read, against
+how much the mouth moves in all; in the channel's own spread. What goes together on people's mouths goes together
+otherwise on avatars'. A regressor that only knows what avatars do with theirs follows people the less."""
 NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
 """Standard deviation of the tracker's noise per block, in the block's unit."""
 
@@ -80,9 +84,9 @@ def in_tolerances(features: Floats) -> Floats:
 def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.Generator) -> Crowd:
     """``count`` moments of invented people.
 
-    Each is a picture of one of ``people``, its channels multiplied by gains of their own, its pose leak exchanged for
-    a mixture of all leaks, with noise; a third of them are taken from ``footage`` [S, D + 3] (features and rotations
-    of unlabelled real faces) where there is any, whose leak is taken to be the mean one.
+    Each is a picture of one of ``people``, its mouth another's, its channels multiplied by gains of their own, its
+    pose leak exchanged for a mixture of all leaks, with noise; a third of them are taken from ``footage`` [S, D + 3]
+    (features and rotations of unlabelled real faces) where there is any, whose leak is taken to be the mean one.
     """
     leaks = np.stack([pose_leak(person.seen) for person in people])
     which = rng.integers(len(people), size=count)
@@ -105,9 +109,22 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
         features[rows], rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
         wanted[rows] = in_tolerances(features[rows] - rotations[rows] @ leaks.mean(0))
         resting[rows] = False
+    differing = _other_mouths(wanted, rng)
+    features[:, channel_indices()] += differing * channel_tolerances()
+    wanted += differing
     gains = np.exp(rng.normal(0, GAIN_SPREAD / 2, (count, 1)) + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
     features *= gains
     wanted *= gains[:, channel_indices()]
     for name, spread in NOISE.items():
         features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
     return Crowd(features.astype(np.float32), rotations, wanted.astype(np.float32), resting)
+
+
+def _other_mouths(wanted: Floats, rng: np.random.Generator) -> Floats:
+    """[S, T] what to add to read and followed channels [S, T] alike, so that mouths differ from the avatars'."""
+    mouth = mouth_channels()
+    spread = np.sqrt((wanted[:, mouth] ** 2).mean(0)) + 1e-6
+    moved = np.sqrt(((wanted[:, mouth] / spread) ** 2).mean(1, keepdims=True))
+    differing = np.zeros_like(wanted)
+    differing[:, mouth] = MOUTH_SPREAD * moved * spread * rng.normal(size=(len(wanted), int(mouth.sum())))
+    return differing

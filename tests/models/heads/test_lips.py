@@ -1,8 +1,8 @@
-"""Pursed lips are narrow and forward, and only the mouth moves; little light reaches teeth far behind the lips."""
+"""An open mouth is an arch, pursed lips are narrow and forward; little light reaches teeth far behind the lips."""
 
 import numpy as np
 import pytest
-from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, mouth_light, pursed
+from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, mouth_light, pursed, rounding
 
 BODY = np.zeros((CORNER + 1, 3))
 BODY[CORNER] = (0.25, -0.66, 0.19)
@@ -13,6 +13,24 @@ BODY[CHEEK] = (0.7, -0.4, 0.1)
 JAW_OPEN = np.zeros_like(BODY)
 JAW_OPEN[LOWER, 1] = -0.34
 STILL = np.zeros_like(BODY)
+
+
+def test_an_open_mouth_is_no_triangle_on_its_point() -> None:
+    """MakeHuman's lower lip runs almost straight from the corners to the middle."""
+    out = np.linspace(0, 1, 9)
+    half, corner_drop, middle_drop = BODY[CORNER, 0], 0.12, 0.34
+    lower, upper = np.arange(10, 19), np.arange(30, 39)
+    body, jaw_open = BODY.copy(), np.zeros_like(BODY)
+    for places, height in ((lower, -0.68), (upper, -0.64)):
+        body[places] = np.stack([half * out, np.full(9, height), np.full(9, 0.28)], 1)
+    jaw_open[CORNER, 1], jaw_open[LOWER, 1] = -corner_drop, -middle_drop
+    jaw_open[lower, 1] = -(middle_drop + (corner_drop - middle_drop) * out**1.4)
+    jaw_open[upper, 1] = -0.03
+    added = rounding(body, jaw_open)
+    sunk = (-(jaw_open + added)[lower, 1] - corner_drop) / (middle_drop - corner_drop)
+    np.testing.assert_allclose(sunk, 1 - out**3.5, atol=0.1)
+    np.testing.assert_allclose(added[[CORNER, MIDDLE, LOWER, CHEEK, *upper]], 0, atol=1e-9)
+    assert (added[:, [0, 2]] == 0).all()
 
 
 @pytest.mark.parametrize("name", sorted(PURSES))

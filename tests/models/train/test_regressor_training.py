@@ -21,15 +21,9 @@ from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.expressions import random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
 from gemheads.models.train.reduction import compared_channels, principal_components  # noqa: E402
-from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
-from gemheads.models.train.strangers import (  # noqa: E402
-    Crowd,
-    Person,
-    crowd,
-    from_the_front,
-    in_tolerances,
-    pose_leak,
-)
+from gemheads.models.train.response import Responses  # noqa: E402
+from gemheads.models.train.strangers import Crowd  # noqa: E402
+from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 
 MARA = Path(__file__).parents[3] / "assets" / "avatars" / "mara.gem"
@@ -187,78 +181,6 @@ def test_compared_channels_are_all_that_a_network_of_the_closed_loop_sees() -> N
     others = np.setdiff1d(np.arange(DIMENSION), places)
     features[:, others] += rng.normal(size=(400, len(others)))
     np.testing.assert_allclose((features - reduction.mean) @ reduction.projection, kappa, atol=1e-5)
-
-
-def test_pose_leak_is_found_beside_expressions() -> None:
-    rng = np.random.default_rng(0)
-    leak = rng.normal(size=(3, DIMENSION)).astype("f4")
-    weights, rotations = random_weights(1500, rng), rng.normal(0, 0.2, (1500, 3)).astype("f4")
-    features = weights @ rng.normal(size=(52, DIMENSION)).astype("f4") + rotations @ leak
-    found = pose_leak(Responses(weights, rotations, features.astype("f4")))
-    assert np.corrcoef(found.ravel(), leak.ravel())[0, 1] > 0.95
-
-
-def linear_person(shapes: np.ndarray, leak: np.ndarray, count: int = 1500, seed: int = 0) -> Person:
-    """Somebody whose features follow weights and head rotation linearly, with a response that knows it."""
-    rng = np.random.default_rng(seed)
-    weights, rotations = random_weights(count, rng), rng.normal(0, 0.2, (count, 3)).astype("f4")
-    response = ResponseModel(len(NAMES), len(channel_indices()))
-    last = response.bend[-1]
-    assert isinstance(last, torch.nn.Linear)
-    with torch.no_grad():
-        last.weight.zero_()
-        last.bias.zero_()
-        response.linear.weight.copy_(torch.from_numpy(in_tolerances(np.concatenate([shapes, leak])).T))
-        response.linear.bias.zero_()
-    response.requires_grad_(False)
-    return Person(Responses(weights, rotations, (weights @ shapes + rotations @ leak).astype("f4")), response)
-
-
-def test_invented_people_move_their_scores_otherwise_than_the_avatar() -> None:
-    rng = np.random.default_rng(0)
-    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
-    person = linear_person(shapes, leak)
-    people = crowd([person, person], np.empty((0, DIMENSION + 3), "f4"), 500, rng)
-    assert people.features.shape == (500, DIMENSION)
-    assert people.wanted.shape == (500, len(channel_indices()))
-    assert np.isfinite(people.features).all()
-    assert 0.5 < people.features.std() / person.seen.features.std() < 2
-
-
-def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
-    rng = np.random.default_rng(0)
-    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
-    person = linear_person(shapes, leak)
-    wanted = from_the_front(person)
-    np.testing.assert_allclose(wanted, in_tolerances(person.seen.weights @ shapes), atol=2e-2)
-    assert np.abs(in_tolerances(person.seen.features) - wanted).max() > 10
-    seen = person.seen
-    turning = replace(seen, weights=np.full_like(seen.weights, 1e-6), features=seen.rotations @ leak)  # hardly at rest
-    np.testing.assert_allclose(from_the_front(Person(turning, person.response)), 0, atol=2e-2)
-    footage = np.concatenate([turning.features, turning.rotations], 1)
-    people = crowd([Person(turning, person.response)], footage, 500, rng)
-    assert np.abs(people.wanted).max() < 0.1 * np.abs(in_tolerances(people.features)).max()
-
-
-def test_of_a_face_at_rest_nothing_is_followed() -> None:
-    """Whatever is read there: light, framing and the turn of the head."""
-    rng = np.random.default_rng(0)
-    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
-    person = linear_person(shapes, leak)
-    rest = np.arange(len(person.seen)) % 4 == 0
-    read = person.seen.features + rng.normal(0, 1, person.seen.features.shape).astype("f4")
-    weights = np.where(rest[:, None], 0, np.maximum(person.seen.weights, 1e-3))
-    someone = replace(person, seen=replace(person.seen, weights=weights, features=read))
-    wanted = from_the_front(someone)
-    assert (wanted[rest] == 0).all()
-    assert (np.abs(wanted[~rest]).max(1) > 1).all()
-    people = crowd([someone], np.empty((0, DIMENSION + 3), "f4"), 800, rng)
-    assert 0.2 < people.resting.mean() < 0.3
-    assert (people.wanted[people.resting] == 0).all()
-    assert (np.abs(people.features[people.resting]).max(1) > 1).all()
-    footage = np.concatenate([read, person.seen.rotations], 1)
-    filmed = crowd([someone], footage, 800, rng)
-    assert 0.1 < filmed.resting.mean() < 0.23  # of strangers in a film nobody knows when they rest
 
 
 def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> None:
