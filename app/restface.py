@@ -32,7 +32,7 @@ FAR_OFF = 3.0
 MOST_RESIDUAL = 0.06
 """Of the length of sigma, by what the tracker's scores alone make of a face: the same however an avatar was taught. The
 demo clip's face has .01 at rest, .1 while it talks with its lips together."""
-MOST_LEARNED_RESIDUAL = 0.14
+MOST_LEARNED_RESIDUAL = 0.12
 """The same by the regressor of an avatar that knows no ARKit shapes."""
 
 NOTHING_SAID = Coaching(())
