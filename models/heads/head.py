@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...render.camera import Camera
 from ..arkit import NAMES
 from .ingredients import Ingredients
-from .lips import CORNER, LOWER, MIDDLE, PURSES, hollowed, mouth_light, pursed, rounding
+from .lips import CORNER, LOWER, MIDDLE, PURSES, arching, hollowed, mouth_light, pursed
 from .maps import load_map, sample_map
 from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
 from .meshview import see
@@ -98,9 +98,9 @@ def build_head(person: Person, ingredients: Ingredients, blink: float = 1.0) -> 
         for name, (lent, share) in LID_FOLLOWS.items():
             units[NAMES.index(name + side)] += share * units[NAMES.index(lent + side)]
     jaw_open = units[NAMES.index("jawOpen")]
-    arch = np.where(is_flesh[:, None], rounding(body, jaw_open), 0)
+    arch = np.where(is_flesh[:, None], arching(body, jaw_open), 0)
+    jaw_open = units[NAMES.index("jawOpen")] = jaw_open + arch
     units[NAMES.index("mouthClose")] -= arch
-    jaw_open += arch
     for name, shape in PURSES.items():
         unit = units[NAMES.index(name)]
         units[NAMES.index(name)] = np.where(is_flesh[:, None], pursed(shape, unit, body, jaw_open), unit)

@@ -45,16 +45,15 @@ PURSES = {
 }
 
 
-def rounding(body: Floats, jaw_open: Floats) -> Floats:
+def arching(body: Floats, jaw_open: Floats) -> Floats:
     """What to add to MakeHuman's jawOpen ``jaw_open`` [V, 3] on the base mesh ``body`` [V, 3], and to take off
     mouthClose, which undoes it: [V, 3] decimetres by which lower lip and the skin below sink between corner and middle.
 
     MakeHuman's lip runs almost straight from one to the other. With x^1.5 (1 - x) of the middle's drop added, at the
     share x of the way out, it is an arch: close to 1 - x^3.5.
     """
-    half = body[CORNER, 0]
-    x, y = np.abs(body[:, 0]) / half, (body[:, 1] - body[CORNER, 1]) / half
-    depth = body[MIDDLE, 2] - body[:, 2]
+    x, y, depth = _from_corners(body)
+    x = np.abs(x)
     near = np.exp(-((y / 0.85) ** 4)) * np.clip(1.6 - depth / 0.2, 0, 1)
     # the share of a point that moves with the jaw more than the corners do: none of the upper lip
     lower = np.clip((jaw_open[CORNER, 1] - jaw_open[:, 1]) / 0.05, 0, 1)
@@ -68,17 +67,23 @@ def pursed(shape: Purse, unit: Floats, body: Floats, jaw_open: Floats) -> Floats
 
     ``jaw_open`` [V, 3] is the displacement of jawOpen.
     """
-    half = body[CORNER, 0]
-    x, y = body[:, 0] / half, (body[:, 1] - body[CORNER, 1]) / half
-    depth = body[MIDDLE, 2] - body[:, 2]
+    x, y, depth = _from_corners(body)
     near = np.exp(-((x / 1.45) ** 4) - (y / 0.85) ** 4) * np.clip(1.6 - depth / 0.2, 0, 1)
     lips = np.exp(-((x / 1.1) ** 4) - (y / 0.5) ** 4) * np.clip(1.5 - depth / 0.2, 0, 1)
     lower = np.clip(-jaw_open[:, 1] / JAW_DROP, 0, 1)
     round_opening = np.sqrt(np.clip(1 - x**2, 0, 1))
     across = -shape.narrow * body[:, 0] * near
-    upward = (shape.up * (1 - lower) - shape.down * lower) * round_opening * near + shape.full * half * y * lips
+    upward = (shape.up * (1 - lower) - shape.down * lower) * round_opening * near
+    upward = upward + shape.full * body[CORNER, 0] * y * lips
     ahead = shape.forward * near * np.exp(-(x**2))
     return unit * np.array([1, shape.kept, 1]) + np.stack([across, upward, ahead], 1)
+
+
+def _from_corners(body: Floats) -> tuple[Floats, Floats, Floats]:
+    """Of each point [V]: how far it is to the left of the mouth's middle and above its corners, in half widths of the
+    mouth, and how far behind the upper lip, decimetres."""
+    half = body[CORNER, 0]
+    return body[:, 0] / half, (body[:, 1] - body[CORNER, 1]) / half, body[MIDDLE, 2] - body[:, 2]
 
 
 def hollowed(body: Floats, base: QuadMesh, inside: Floats) -> Floats:

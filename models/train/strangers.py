@@ -19,9 +19,9 @@ Floats = NDArray[np.float32]
 GAIN_SPREAD = 0.35
 """Standard deviation of the logarithm of how strongly a person moves a channel, against the avatars."""
 MOUTH_SPREAD = 0.5
-"""Standard deviation of how far each channel of an invented person's mouth is from what an avatar's would read, against
-how much the mouth moves in all; in the channel's own spread. What goes together on people's mouths goes together
-otherwise on avatars'. A regressor that only knows what avatars do with theirs follows people the less."""
+"""Standard deviation of what is added to each channel of an invented person's mouth, in that channel's own spread, for
+a mouth that moves as much as most do; for others in proportion. Channels go together otherwise on people's mouths than
+on avatars'; a regressor that knows the latter alone takes strangers' mouths for those of an avatar."""
 NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
 """Standard deviation of the tracker's noise per block, in the block's unit."""
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, mouth_light, pursed, rounding
+from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, arching, mouth_light, pursed
 
 BODY = np.zeros((CORNER + 1, 3))
 BODY[CORNER] = (0.25, -0.66, 0.19)
@@ -26,7 +26,7 @@ def test_an_open_mouth_is_no_triangle_on_its_point() -> None:
     jaw_open[CORNER, 1], jaw_open[LOWER, 1] = -corner_drop, -middle_drop
     jaw_open[lower, 1] = -(middle_drop + (corner_drop - middle_drop) * out**1.4)
     jaw_open[upper, 1] = -0.03
-    added = rounding(body, jaw_open)
+    added = arching(body, jaw_open)
     sunk = (-(jaw_open + added)[lower, 1] - corner_drop) / (middle_drop - corner_drop)
     np.testing.assert_allclose(sunk, 1 - out**3.5, atol=0.1)
     np.testing.assert_allclose(added[[CORNER, MIDDLE, LOWER, CHEEK, *upper]], 0, atol=1e-9)
