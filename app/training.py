@@ -1,5 +1,6 @@
 """Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -9,16 +10,26 @@ from .places import check_places, save_learned
 from .progress import ProgressBar
 
 
-def run_training(
-    avatar: Path, out: Path | None, videos: list[Path], companions: list[Path], pictures: int, steps: int, seed: int
-) -> ExitCode:
+@dataclass(frozen=True)
+class TrainingWish:
+    """What a training without a capture is asked for; defaults as in ``models.train.train_regressor``."""
+
+    videos: tuple[Path, ...] = ()
+    companions: tuple[Path, ...] = ()
+    former: Path | None = None
+    pictures: int = 4000
+    steps: int = 3000
+    seed: int = 0
+
+
+def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode:
     """Train the regressor of an avatar file and save the avatar with it. Raises InputError and OutputError."""
     try:
         from ..models.train.response import AvatarNotSeen
         from ..models.train.train_regressor import train_regressor
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
-    for video in videos:
+    for video in wish.videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
     out = out or avatar
@@ -27,14 +38,15 @@ def run_training(
         with ProgressBar() as bar:
             gem, report = train_regressor(
                 avatar,
-                companions=companions,
-                videos=videos,
-                pictures=pictures,
-                steps=steps,
-                seed=seed,
+                companions=wish.companions,
+                videos=wish.videos,
+                former=wish.former,
+                pictures=wish.pictures,
+                steps=wish.steps,
+                seed=wish.seed,
                 progress=bar.reach,
             )
-    except (ValueError, AvatarNotSeen) as error:  # a GemFormatError, or what is wrong with a video
+    except (ValueError, AvatarNotSeen) as error:  # a GemFormatError, a RegressorError, or what is wrong with a video
         raise InputError(str(error)) from error
     save_learned(partial(save_gem, gem, basis=read_info(avatar).card.basis), out)
     print(

@@ -166,6 +166,7 @@ def train_regressor(
     *sources: Path,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
+    rehearse_with: str | None = None,
     pictures: int = 4000,
     steps: int | None = None,
     seed: int = 0,
@@ -181,6 +182,8 @@ def train_regressor(
             videos whose motion the training also learns from, without labels.
         out: Where the avatar with its regressor goes. Default: the same file.
         companions: Other avatars, which play strangers. Default: the other shipped ones.
+        rehearse_with: An avatar with ARKit shapes and a regressor: what it would answer is what this one acts first, to
+            learn how that reads on it. Default: what it has learned before, if it has.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps of a network. Default: 3,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
@@ -193,7 +196,7 @@ def train_regressor(
     from ..library import avatars, find_avatar
     from ..opencapture import is_capture
     from ..owntraining import OwnWish, run_own_training
-    from ..training import run_training
+    from ..training import TrainingWish, run_training
 
     path = find_avatar(avatar)
     others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
@@ -204,7 +207,11 @@ def train_regressor(
     if not captures:
         if labels or report or strip:
             raise UsageError("--labels, --report and --strip need a capture; give its folder, too")
-        return run_training(path, out, videos, others, pictures, 3000 if steps is None else steps, seed)
+        former = None if rehearse_with is None else find_avatar(rehearse_with)
+        lasting = TrainingWish.steps if steps is None else steps
+        return run_training(path, out, TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed))
+    if rehearse_with is not None:
+        raise UsageError("--rehearse-with does not go with a capture, whose own frames say how its person moves")
     if len(captures) > 1:
         raise UsageError(f"{captures[1]}: is a second capture; an avatar is of one person, give one")
     lasting = OwnWish.steps if steps is None else steps

@@ -45,6 +45,13 @@ UPPER_TEETH_DROP, LOWER_TEETH_DROP = 0.034, 0.042
 TONGUE_SHIFT = np.array([0.0, -0.05, -0.03])
 """Decimetres: MakeHuman's teeth hide behind the upper lip; incisors should reach just below where the lips meet."""
 
+LID_PIXELS = 400
+"""Pixels a decimetre in the picture in which the middle of the open lids is looked for."""
+SLIT = 0.3
+"""Where lids stand open by less than this share of their greatest opening, they are a corner."""
+ASIDE = 0.6
+"""Share of the way to the middle of the lids that eyes are turned aside: an iris sits a little to the nose of it."""
+
 
 @dataclass(frozen=True)
 class Head(Puppet):
@@ -242,23 +249,36 @@ def _glint_triangles(centers: Floats, radius: float) -> Floats:
 def _aimed_eyes(
     points: Floats, faces: NDArray[np.int64], eye_of_vertex: NDArray[np.int8], centers: Floats, radius: float
 ) -> Floats:
-    """Directions [2, 3] from the eyeballs' centres through the middle of the open lids, seen from the front.
+    """Directions [2, 3] from the eyeballs' centres towards the middle of the open lids, seen from the front.
 
-    Some identities droop or widen the lids away from the eyeballs' middles; pupils that stayed level would look up.
+    Some identities droop or widen the lids away from the eyeballs' middles; pupils that stayed level would look up, and
+    such that look straight ahead would squint at one's nose.
     """
     camera = Camera(
-        4e4, 4e4, 256, 128, 512, 256, np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1000.0], [0, 0, 0, 1]])
+        1e3 * LID_PIXELS,
+        1e3 * LID_PIXELS,
+        256,
+        128,
+        512,
+        256,
+        np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1000.0], [0, 0, 0, 1]]),
     )
-    shifted = points - np.array([0, centers[0, 1], 0])
-    seen, _, _ = see(shifted * np.array([1, 1, 1]), faces, camera)
+    level = np.array([0, centers[0, 1], 0])
+    seen, _, _ = see(points - level, faces, camera)
     side_of_face = np.where(seen >= 0, eye_of_vertex[faces[np.maximum(seen, 0), 0]], -1)
     axes = []
-    for side, center in enumerate(centers):
-        row, _ = np.nonzero(side_of_face == side)
-        if len(row) == 0:
+    for side, center in enumerate(centers - level):
+        shown = side_of_face == side
+        if not shown.any():
             axes.append([0.0, 0, 1])
             continue
-        height = (128 - 0.5 * (row.min() + row.max() + 1)) / 40
-        tilt = np.clip(0.8 * (height - (center[1] - centers[0, 1])) / radius + 0.02, -0.3, 0.3)
-        axes.append([0.0, np.sin(tilt), np.cos(tilt)])
+        # the corners taper to slits that no iris fills
+        open_columns = np.flatnonzero(shown.sum(0) > SLIT * shown.sum(0).max())
+        rows = np.flatnonzero(shown.any(1))
+        across = 0.5 * (open_columns[0] + open_columns[-1] + 1) - 256
+        height = 128 - 0.5 * (rows[0] + rows[-1] + 1)
+        turn = np.clip(ASIDE * (across / LID_PIXELS - center[0]) / radius, -0.15, 0.15)
+        tilt = np.clip(0.8 * (height / LID_PIXELS - center[1]) / radius + 0.02, -0.3, 0.3)
+        axis = np.array([np.sin(turn), np.sin(tilt), 1.0])
+        axes.append(axis / np.linalg.norm(axis))
     return np.array(axes)

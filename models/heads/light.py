@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from .head import EYES, HAIR, LASHES, SKIN, TEETH, TONGUE, Head
+from .head import HAIR, LASHES, SKIN, TEETH, TONGUE, Head
 from .mesh import vertex_normals
 
 Floats = NDArray[np.floating]
@@ -39,8 +39,18 @@ def environment(directions: Floats) -> Floats:
     return light
 
 
-def irradiance(head: Head, vertices: Floats, cards: NDArray[np.bool_], rays: int = 144, seed: int = 1) -> Floats:
-    """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin and mouth, dimmed by hair ``cards`` [F]."""
+def irradiance(
+    head: Head,
+    vertices: Floats,
+    cards: NDArray[np.bool_],
+    rays: int = 144,
+    seed: int = 1,
+    of: NDArray[np.int64] | None = None,
+) -> Floats:
+    """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin and mouth, dimmed by hair ``cards`` [F].
+
+    ``of``: at these vertices [M] only, in their order; then [M, 3].
+    """
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -49,22 +59,22 @@ def irradiance(head: Head, vertices: Floats, cards: NDArray[np.bool_], rays: int
     TriangleMesh(solid, np.ascontiguousarray(vertices[head.triangles[blocks]], np.float32))
     TriangleMesh(veil, np.ascontiguousarray(vertices[head.triangles[cards]], np.float32))
 
-    normals = vertex_normals(vertices.astype(float), head.triangles)
-    part = part_of_vertex(head)
-    shell = np.isin(part, (HAIR, LASHES))
+    members = np.arange(len(vertices)) if of is None else of
+    points, normals = vertices[members], vertex_normals(vertices.astype(float), head.triangles)[members]
+    shell = np.isin(part_of_vertex(head)[members], (HAIR, LASHES))
     outward = normals.copy()
     center = np.array([0, 0.03, 0.0])
-    flip = shell & (((vertices - center) * normals).sum(1) < 0)
+    flip = shell & (((points - center) * normals).sum(1) < 0)
     outward[flip] *= -1
     rng = np.random.default_rng(seed)
     count = int(np.sqrt(rays))
     u, v = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
-    total = np.zeros((len(vertices), 3))
+    total = np.zeros((len(points), 3))
     tangent, bitangent = _tangents(outward)
-    origin = vertices + outward * 4e-4
+    origin = points + outward * 4e-4
     for i, j in zip(u.ravel(), v.ravel(), strict=True):
-        r = (i + rng.random(len(vertices))) / count
-        angle = 2 * np.pi * (j + rng.random(len(vertices))) / count
+        r = (i + rng.random(len(points))) / count
+        angle = 2 * np.pi * (j + rng.random(len(points))) / count
         ring = np.sqrt(r)
         direction = (
             (ring * np.cos(angle))[:, None] * tangent
@@ -122,7 +132,7 @@ def bake(
     lids: Floats,
     lips: Floats,
 ) -> Floats:
-    """Irradiance [V, 3] that serves all expressions.
+    """Irradiance [V, 3] that serves all expressions, but not on eyes (see ``eyelight``).
 
     ``poses`` are the vertices [V, 3] with the mouth open, with the eyes shut, and with the lips pursed; ``cards`` [F]
     is opaque hair; ``mouth``, ``lids`` and ``lips`` [V] in [0, 1] say how far a vertex takes its light from these.
@@ -137,8 +147,6 @@ def bake(
     light = neutral + inside * (opened - neutral)
     light += 0.55 * lips[:, None] * (1 - inside) * np.maximum(turned_out - neutral, 0)
     light += 0.6 * lids[:, None] * (shut - neutral)
-    eyes = part == EYES
-    light[eyes] = np.maximum(light[eyes] * np.clip(light[eyes].mean(1, keepdims=True), 0.5, 1), 0.28)
     teeth = part == TEETH
     light[teeth] = np.clip(light[teeth], *TEETH_LIGHT)
     return spread_under_skin(head, light)

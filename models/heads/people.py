@@ -131,7 +131,8 @@ MARA = Person(
     brow_lift=0.0027,
     rest=RELAXED
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
-    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0, "browDownLeft": 0.1, "browDownRight": 0.1},
+    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0, "browDownLeft": 0.1, "browDownRight": 0.1}
+    | {"mouthClose": 0.07, "mouthRollUpper": 0.1},
     gain=_paired({"mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}),
 )
 
@@ -180,7 +181,7 @@ JONAH = Person(
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
     eye="darkbrown",
-    sclera=(0.44, 0.41, 0.375),
+    sclera=(0.37, 0.345, 0.315),
     brow="eyebrow008",
     brow_color=(0.07, 0.05, 0.045),
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
@@ -188,7 +189,9 @@ JONAH = Person(
     lip=(0.35, 0.20, 0.18),
     lip_gloss=0.2,
     stubble=0.35,
-    rest=RELAXED | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32},
+    rest=RELAXED
+    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32}
+    | {"mouthClose": 0.07, "mouthRollUpper": 0.15, "mouthRollLower": 0.1},
     gain={"browInnerUp": 1.3, "mouthPucker": 1.3},
 )
 

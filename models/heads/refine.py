@@ -46,10 +46,11 @@ def views_of(shader: Shader, rider: Rider, size: int = 400, supersample: int = 2
     ]
     shots += [(weights_of(), yaw, pitch, 9) for yaw, pitch in ((0, 0), (20, -12), (-20, 12))]
     shots += [(weights_of(eyeBlink=1), yaw, 0, 9) for yaw in (0, 18)]
-    # what lies behind the lids at rest comes out when the eyes turn
+    # what lies behind the lids at rest comes out when the eyes turn or widen
     shots += [
         (gaze(*toward), 0, 0, 9) for toward in ((-0.9, 0), (0.9, 0), (0, 0.9), (0, -0.9), (-0.6, 0.6), (0.6, -0.6))
     ]
+    shots += [(weights_of(eyeWide=1) + gaze(0, up), 0, 0, 9) for up in (0, -0.5)]
     shots += [(smile, yaw, 0, 9) for yaw in (0, 25, -25)]
     shots += [(weights_of(jawOpen=0.8), yaw, pitch, 9) for yaw, pitch in ((0, 0), (-20, -8), (20, 10))]
     views = []

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .brows import BrowMap, paint_brows
 from .expressions import weights_of
+from .eyelight import light_eyes
 from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
 from .ingredients import Ingredients
 from .light import KEY, bake, part_of_vertex
@@ -165,6 +166,7 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
         lids,
         lips,
     )
+    light_eyes(head, cards, light)
     proxies = ingredients.makehuman / "proxies"
     return Shader(
         head=head,

@@ -109,8 +109,8 @@ def albedo(
 
     ink = linear(np.array(person.brow_color))
     color += (0.42 * np.clip(brow, 0, 1) ** 1.5)[:, None] * (ink * 1.2 - color)
-    under_hair = linear(np.array(person.hair.color)) * 0.7
-    roots = 0.75 * under_hair + 0.25 * color
+    under_hair = linear(np.array(person.hair.color)) * 0.85
+    roots = 0.9 * under_hair + 0.1 * color
     color += np.clip(scalp, 0, 1)[:, None] * (roots * (1 + 0.25 * grain[:, None]) - color)
 
     mouth = sample_map(maps.mouth, uv)[:, 0]

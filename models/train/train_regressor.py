@@ -57,6 +57,15 @@ def _silent(done: int, total: int) -> None:
 
 
 @dataclass(frozen=True)
+class Former:
+    """What an avatar has learned before."""
+
+    regressor: Regressor
+    controls: Controls
+    """Of that avatar: what its coefficients mean."""
+
+
+@dataclass(frozen=True)
 class TrainingReport:
     """What a training reached."""
 
@@ -75,6 +84,7 @@ def train_regressor(
     *,
     companions: Sequence[Path] = (),
     videos: Sequence[Path] = (),
+    former: Path | None = None,
     pictures: int = 4000,
     steps: int = 3000,
     seed: int = 0,
@@ -86,6 +96,8 @@ def train_regressor(
         avatar: a .gem file.
         companions: other avatars, which play strangers.
         videos: any videos of faces, unlabelled; they need not be of one person.
+        former: an avatar of the same shapes whose regressor the first rehearsal plays; None: that of ``avatar``, where
+            it has one.
         pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
             learned; of each companion as many.
         steps: training steps of each network; more follow the avatars better and people worse.
@@ -94,13 +106,16 @@ def train_regressor(
 
     Raises:
         GemFormatError: for a file that is no avatar.
+        RegressorError: where ``former`` has no regressor of use.
         AvatarNotSeen: where the tracker finds no face in the avatar's picture.
     """
     gem = load_gem(avatar)
+    role = None if former is None else _former(load_gem(former), gem)
     regressor, report = regressor_for(
         gem,
         [load_gem(path) for path in companions],
         read_footage(videos, lambda done, total: progress("videos", done, total)),
+        former=role,
         pictures=pictures,
         steps=steps,
         seed=seed,
@@ -114,12 +129,14 @@ def regressor_for(
     companions: Sequence[Gem],
     footage: NDArray[np.float32],
     *,
+    former: Former | None = None,
     pictures: int,
     steps: int,
     seed: int,
     progress: Progress = lambda stage, done, total: None,
 ) -> tuple[bytes, TrainingReport]:
-    """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it."""
+    """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it;
+    ``former``: what the first rehearsal plays instead of the regressor that ``gem`` has."""
     rng, controls = np.random.default_rng(seed), controls_of(gem)
     own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total))
     count = max(FEWEST_OF_STRANGERS, pictures)
@@ -128,13 +145,13 @@ def regressor_for(
         for other, one in enumerate(companions, 1)
     ]
     others = [person_of(one, steps, seed)[0] for one in seen]
-    practised = _practised(gem)
+    practised = former or _practised(gem)
     for _ in range(REHEARSALS):
         avatar, _ = person_of(own, steps, seed, RESPONSES if practised is None else 1)
         cast = [avatar, *others]
         audience = crowd(cast, footage, max(1, int(pictures * REHEARSED)), rng)
         if practised is not None:
-            answers, practised = remembered(practised, controls, audience), None
+            answers, practised = remembered(practised.regressor, practised.controls, audience), None
         else:
             school = _School(controls, cast, footage, rng)
             answers = answers_of(school.network(max(1, int(steps * REHEARSAL_STEPS)), seed, progress), audience)
@@ -147,12 +164,26 @@ def regressor_for(
     return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
-def _practised(gem: Gem) -> Regressor | None:
-    """The regressor that an avatar has; None where it has none that can be used, which is why it is trained again."""
+def _practised(gem: Gem) -> Former | None:
+    """What an avatar has learned; None where it has no regressor that can be used, which is why it is trained again."""
     try:
-        return None if gem.regressor is None else Regressor(gem.regressor, gem.coefficient_count)
+        return (
+            None if gem.regressor is None else Former(Regressor(gem.regressor, gem.coefficient_count), controls_of(gem))
+        )
     except RegressorError:
         return None
+
+
+def _former(other: Gem, gem: Gem) -> Former:
+    """What ``other`` has learned, for an avatar of the same shapes. Raises RegressorError."""
+    if other.arkit_weights is None or gem.arkit_weights is None:
+        raise RegressorError(
+            f"avatar '{gem.name}' cannot rehearse with what '{other.name}' has learned: only avatars with ARKit shapes"
+            " do the same with the same weights; leave out --rehearse-with"
+        )
+    if other.regressor is None:
+        raise RegressorError(f"avatar '{other.name}' has no regressor to rehearse with; name one that has")
+    return Former(Regressor(other.regressor, other.coefficient_count), controls_of(other))
 
 
 class _School:

@@ -37,6 +37,11 @@ def test_two_captures_are_two_people(capture: Path, capsys: pytest.CaptureFixtur
     assert "second capture" in capsys.readouterr().err
 
 
+def test_a_person_with_frames_needs_no_rehearsal(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train-regressor", "mara", str(capture), "--rehearse-with", "theo"]) == ExitCode.USAGE
+    assert "--rehearse-with does not go with a capture" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("option", ["--labels", "--report", "--strip"])
 def test_what_needs_a_capture_says_so(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train-regressor", "mara", option, str(tmp_path / "x")]) == ExitCode.USAGE

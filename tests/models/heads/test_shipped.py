@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gemheads.models.driver.face import FaceObservation, FaceTracker
-from gemheads.models.driver.points import SCORES
+from gemheads.models.driver.gaze import eye_gaze
+from gemheads.models.driver.points import LEFT_EYE_OUTER, RIGHT_EYE_OUTER, SCORES
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
@@ -37,8 +38,8 @@ def portrait(gem: Gem, coefficients: np.ndarray, yaw: float = 0, pitch: float = 
     return SoftwareEngine().draw(gem.compose(coefficients), camera).copy()
 
 
-def photo(gem: Gem, **weights: float) -> np.ndarray:
-    drawn = portrait(gem, gem.arkit_coefficients(weights_of(**weights)))
+def photo(gem: Gem, size: int = 512, **weights: float) -> np.ndarray:
+    drawn = portrait(gem, gem.arkit_coefficients(weights_of(**weights)), size=size)
     picture = drawn[..., :3] + 0.7 * (1 - drawn[..., 3:])
     return np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8)
 
@@ -48,6 +49,10 @@ def seen(picture: np.ndarray) -> FaceObservation:
     found = tracker().track(picture)
     assert found is not None, "the tracker finds no face"
     return found
+
+
+def gaze_of(observation: FaceObservation) -> np.ndarray:
+    return eye_gaze(observation.metric_mesh, observation.metric_irises)
 
 
 def score(observation: FaceObservation, name: str) -> float:
@@ -72,6 +77,8 @@ def test_the_neutral_face_is_neutral(name: str) -> None:
     assert found.presence > 0.99
     for channel in ("jawOpen", "mouthSmileLeft", "eyeBlinkLeft", "eyeBlinkRight", "browInnerUp", "mouthFrownLeft"):
         assert score(found, channel) < 0.3, channel
+    # full lips at rest may read as pursed: then every jaw that opens seems to let go of a kiss
+    assert score(found, "mouthPucker") < 0.12
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -103,6 +110,35 @@ def test_lids_close_over_the_eyes(name: str) -> None:
         there = (slice(y - 3, y + 4), slice(x - 12, x + 13))
         # an open eye holds a dark pupil beside a bright white; shut lids are one even patch of skin
         assert np.ptp(open_eyes[there].mean(-1)) > 1.8 * np.ptp(shut[there].mean(-1))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("side", ["Left", "Right"])
+def test_a_glance_aside_is_even_and_so_is_the_white_it_shows(name: str, side: str) -> None:
+    gem, other = avatar(name), "Right" if side == "Left" else "Left"
+    rest = seen(photo(gem, size=1024))
+    aside = photo(gem, size=1024, **{f"eyeLookOut{side}": 0.7, f"eyeLookIn{other}": 0.7})
+    found = seen(aside)
+    turned = np.abs((gaze_of(found) - gaze_of(rest))[::2])
+    assert turned.min() > 0.25
+    assert turned.min() > 0.7 * turned.max()
+    # the eye that looks past the nose shows the white that lay in the dark behind its lids
+    iris, outer = (468, RIGHT_EYE_OUTER) if side == "Left" else (473, LEFT_EYE_OUTER)
+    ends = found.landmarks_px[[iris, outer], :2]
+    places = ends[0] + np.linspace(0.5, 0.8, 40)[:, None] * np.diff(ends, axis=0)
+    white = [aside[int(y) - 2 : int(y) + 3, int(x)].mean() for x, y in places]
+    assert np.ptp(white) < 40
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_lips_close_over_an_open_jaw_all_the_way_to_the_corners(name: str) -> None:
+    def gaps(**weights: float) -> np.ndarray:
+        mesh = seen(photo(avatar(name), **weights)).metric_mesh
+        return np.array([mesh[upper, 1] - mesh[lower, 1] for upper, lower in ((13, 14), (81, 178), (311, 402))])
+
+    rest, agape = gaps(), gaps(jawOpen=0.4)
+    assert (agape - rest > 0.5).all()
+    assert (gaps(jawOpen=0.4, mouthClose=0.4) - rest < 0.15 * (agape - rest)).all()
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -9,8 +9,8 @@ import pytest
 from gemheads.models.arkit import NAMES
 from gemheads.models.driver.baseline import GAIN, baseline_weights
 from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
-from gemheads.models.driver.regressor import Regressor
-from gemheads.models.gemfile import load_gem
+from gemheads.models.driver.regressor import Regressor, RegressorError
+from gemheads.models.gemfile import load_gem, save_gem
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
@@ -230,37 +230,70 @@ def test_a_regressor_is_remembered_as_the_network_it_was() -> None:
     np.testing.assert_allclose(found / controls.limit, given / controls.limit, atol=5e-3)
 
 
-@pytest.mark.parametrize("usable", [True, False])
-def test_an_avatar_that_has_a_regressor_rehearses_with_it_first(usable: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that cannot be used is why people train again: no error."""
-    toy = toy_gem()
-    controls = controls_of(toy)
-    gem = replace(toy, regressor=export_onnx([network_of(controls)]) if usable else b"of another version")
+@pytest.fixture
+def recalled(monkeypatch: pytest.MonkeyPatch) -> list[Controls]:
+    """Whose weights a training that draws nothing has recalled; what is recalled is an eighth of everything."""
     rng = np.random.default_rng(0)
     shapes, leak = (rng.normal(0, 0.1, (rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
-    recalled: list[int] = []
-    acted: list[np.ndarray] = []
+    recalled: list[Controls] = []
 
     def recalling(regressor, controls, people):
-        recalled.append(len(people))
+        recalled.append(controls)
         return np.full((len(people), len(NAMES)), 0.125, "f4")
 
     def acting(gem, controls, answers, people, rng, progress):
+        assert (answers == 0.125).all() == (len(recalled) > len(acted))
         acted.append(answers)
         return linear_person(shapes, leak, len(people), len(acted)).seen
 
+    acted: list[np.ndarray] = []
     monkeypatch.setattr(train_regressor, "CROWD", 400)
     monkeypatch.setattr(train_regressor, "pictures_of", lambda *_: linear_person(shapes, leak, 200).seen)
     monkeypatch.setattr(train_regressor, "remembered", recalling)
     monkeypatch.setattr(train_regressor, "rehearse", acting)
+    return recalled
+
+
+@pytest.mark.parametrize("usable", [True, False])
+def test_an_avatar_that_has_a_regressor_rehearses_with_it_first(usable: bool, recalled: list[Controls]) -> None:
+    """One that cannot be used is why people train again: no error."""
+    toy = toy_gem()
+    gem = replace(toy, regressor=export_onnx([network_of(controls_of(toy))]) if usable else b"of another version")
     graph, report = train_regressor.regressor_for(
         gem, [], np.empty((0, DIMENSION + 3), "f4"), pictures=200, steps=8, seed=0
     )
     Regressor(graph, gem.coefficient_count)
-    assert len(acted) == train_regressor.REHEARSALS
-    assert recalled == ([len(acted[0])] if usable else [])
-    assert ((acted[0] == 0.125).all(), (acted[1] == 0.125).any()) == (usable, False)
-    assert report.pictures == 200 + sum(len(one) for one in acted)
+    assert len(recalled) == (1 if usable else 0)
+    assert report.pictures > 200
+
+
+def test_an_avatar_baked_anew_rehearses_with_what_the_former_one_learned(
+    recalled: list[Controls], tmp_path: Path
+) -> None:
+    baked, former = tmp_path / "baked.gem", tmp_path / "former.gem"
+    anew, old = toy_gem(), toy_gem(components=4)
+    save_gem(replace(anew, regressor=export_onnx([network_of(controls_of(anew))])), baked)
+    save_gem(replace(old, regressor=export_onnx([network_of(controls_of(old))])), former)
+    gem, _ = train_regressor.train_regressor(baked, former=former, pictures=200, steps=8)
+    assert gem.regressor is not None
+    Regressor(gem.regressor, anew.coefficient_count)
+    (controls,) = recalled
+    assert len(controls.rest) == old.coefficient_count
+
+
+@pytest.mark.parametrize(
+    ("rigged", "graph", "said"),
+    [
+        (True, None, "'toy' has no regressor to rehearse with"),
+        (True, b"no graph", "cannot be used"),
+        (False, None, "only avatars with ARKit shapes"),
+    ],
+)
+def test_a_former_of_no_use_is_an_error(rigged: bool, graph: bytes | None, said: str, tmp_path: Path) -> None:
+    former = tmp_path / "former.gem"
+    save_gem(replace(toy_gem(rigged), regressor=graph), former)
+    with pytest.raises(RegressorError, match=said):
+        train_regressor.train_regressor(MARA, former=former)
 
 
 def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.MonkeyPatch) -> None:
