@@ -192,7 +192,7 @@ JONAH = Person(
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.15, "mouthRollLower": 0.1},
-    gain={"browInnerUp": 1.3, "mouthPucker": 1.3},
+    gain=_paired({"mouthUpperUp": 1.5}) | {"browInnerUp": 1.3, "mouthPucker": 1.3},
 )
 
 LIN = Person(

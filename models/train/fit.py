@@ -54,7 +54,7 @@ class Effort:
     """Sigmas a step, at first; it falls to nothing."""
 
 
-FIRST = Effort((Stage(64, 4, pose_only=True), Stage(None, 26)), adam_steps=1)
+FIRST = Effort((Stage(64, 4, pose_only=True), Stage(None, 32)), adam_steps=1)
 """A picture of which nothing is known: below 1 s at 15,000 splats and 256 x 256 on two cores. Only the pose is sought
 on a coarse picture: splats are widened by a part of a pixel, so the expression seen there is another."""
 NEXT = Effort((Stage(None, 7),), adam_steps=1)
