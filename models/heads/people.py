@@ -222,8 +222,8 @@ LIN = Person(
     lip=(0.72, 0.43, 0.41),
     shirt=(0.20, 0.30, 0.36),
     rest=RELAXED
-    | {"mouthSmileLeft": 0.15, "mouthSmileRight": 0.15}
-    | {"browOuterUpLeft": 0.08, "browOuterUpRight": 0.08},
+    | {"mouthSmileLeft": 0.10, "mouthSmileRight": 0.10, "mouthClose": 0.05}
+    | {"browInnerUp": 0.12, "browOuterUpLeft": 0.10, "browOuterUpRight": 0.10},
     gain=_paired({"mouthFrown": 1.6}),
 )
 
