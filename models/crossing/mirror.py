@@ -32,7 +32,7 @@ class Mirror:
         viewing = gem.viewing
         distance = viewing.head_height / _HEAD_SHARE / (2 * np.tan(np.radians(_FOV_DEG) / 2))
         self.gem = gem
-        self._nodding = nodding_of(gem)
+        self.nodding = nodding_of(gem)
         self._camera = orbit(viewing.target, distance, 0, 0, _FOV_DEG, size, size)
         self._engine = SoftwareEngine()
         self._tracker = FaceTracker()
@@ -51,7 +51,7 @@ class Mirror:
     ) -> Image:
         """The picture of the avatar that does what was read on a driver, as the product has it: without the part of the
         head's ``rotation`` [3] that the expression only seems to nod."""
-        return self.draw(coefficients, self._nodding.taken_off(rotation, coefficients), components)
+        return self.draw(coefficients, self.nodding.taken_off(rotation, coefficients), components)
 
     def read(self, picture: Image) -> Reading | None:
         """What the tracker reads; None when it sees no face."""
