@@ -33,6 +33,10 @@ SHARE = 0.5
 """So much of it is taken off a driver's turn. Between avatars all of it would be a little nearer to the truth; but what
 a person's expression is, is itself only read, and people were not among those measured."""
 
+LEAST_TOLD = 0.01
+"""Movements that an avatar's shapes make less than this share of their greatest, in sigmas, tell nothing: on an avatar
+of which a shape hardly moves anything, any tremble would be a nod."""
+
 
 @dataclass(frozen=True)
 class Nodding:
@@ -57,4 +61,5 @@ def nodding_of(gem: Gem) -> Nodding:
     if gem.arkit_weights is None:
         return Nodding(rest, np.zeros(len(rest)))
     pitch = np.radians([READ_AS_PITCH_DEG.get(name, 0.0) for name in arkit.NAMES])
-    return Nodding(rest, SHARE * np.linalg.pinv(gem.arkit_weights.astype(float)) @ pitch)
+    told = np.linalg.pinv(gem.arkit_weights.astype(float) / gem.sigma, rcond=LEAST_TOLD) @ pitch
+    return Nodding(rest, SHARE * told / gem.sigma)

@@ -1,9 +1,11 @@
 """What an expression only seems to nod is taken off the head's turn."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.features import relative_rotation
 from gemheads.models.driver.nodding import READ_AS_PITCH_DEG, SHARE, nodding_of
@@ -24,6 +26,16 @@ def test_each_shape_takes_its_share_off_the_pitch_alone() -> None:
         upright = nodding.taken_off(TURN, gem.rest_coefficients + weights @ gem.arkit_weights)
         np.testing.assert_allclose(upright - TURN, [-SHARE * np.radians(seeming), 0, 0], atol=1e-3)
     np.testing.assert_array_equal(nodding.taken_off(TURN, gem.rest_coefficients), TURN)
+
+
+def test_a_shape_that_moves_next_to_nothing_makes_no_nods() -> None:
+    gem = load_gem(AVATARS / "mara.gem")
+    assert gem.arkit_weights is not None
+    numb = gem.arkit_weights.copy()
+    numb[NAMES.index("browInnerUp")] *= 1e-6
+    nodding = nodding_of(replace(gem, arkit_weights=numb))
+    farthest = np.degrees(np.abs(nodding.slopes) * 3 * gem.sigma)
+    assert 0.1 < farthest.max() < 2
 
 
 def test_nothing_is_known_of_an_avatar_without_shapes() -> None:
