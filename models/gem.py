@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..render.gaussians import RawGaussians
+from ..render.rotations import sign_aligned
 from .blend import blend, blend_columns, correlate, gather, moving_columns
 
 MODALITIES = ("position", "rotation", "scale", "opacity")
@@ -233,8 +234,10 @@ class Gem:
         return out
 
     def project(self, raw: RawGaussians) -> NDArray[np.float32]:
-        """The coefficients [coefficients] whose composition is nearest to ``raw`` (orthonormal components)."""
-        values = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
+        """The coefficients [coefficients] whose composition is nearest to ``raw`` (orthonormal components), whatever
+        the signs of its quaternions."""
+        wxyz = sign_aligned(raw.wxyz, self.bases["rotation"].mean.reshape(-1, 4))
+        values = (raw.positions, wxyz, raw.log_scales, raw.opacity_logits)
         parts = [
             self.bases[name].components @ (np.asarray(value, np.float32).reshape(-1) - self.bases[name].mean)
             for name, value in zip(MODALITIES, values, strict=True)

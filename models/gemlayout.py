@@ -15,6 +15,8 @@ MAX_EXPANDED_BYTES = 2 * 2**30
 MAX_REGRESSOR_BYTES = 32 * 2**20
 MAX_VALUE = 1e4
 """No mean, and no component at three sigma, is larger than this in metres, logarithms or logits."""
+MAX_COEFFICIENT = 1e6
+"""No coefficient at rest, and none that an ARKit weight adds, is larger: sums of them stay numbers."""
 BASIS_PARTS = ("mean", "components", "scale", "sigma", "kept")
 """The tensors of one modality, named MODALITY.PART."""
 OPTIONAL = ("arkit_weights", "rest", "regressor")
@@ -76,6 +78,8 @@ def check_values(name: str, values: NDArray[Any], splats: int) -> None:
         raise GemFormatError(f"tensor {name!r} has values outside 0 to 1")
     if part in ("mean", "neck_pivot") and np.abs(values).max(initial=0) > MAX_VALUE:
         raise GemFormatError(f"tensor {name!r} has values beyond {MAX_VALUE:g}")
+    if part in ("rest", "arkit_weights") and np.abs(values).max(initial=0) > MAX_COEFFICIENT:
+        raise GemFormatError(f"tensor {name!r} has values beyond {MAX_COEFFICIENT:,.0f}")
     if part == "kept" and len(values) and (values[-1] >= splats or (values[1:] <= values[:-1]).any()):
         raise GemFormatError(f"tensor {name!r} does not rise through the numbers of its {splats} splats")
 

@@ -29,13 +29,11 @@ READ_AS_PITCH_DEG = {
 }
 """ARKit shape -> degrees by which the pitch of a head that stays still is read off, at weight 1: alike on three heads
 that differ, so a property of the tracker (tests/bench/nodding.py)."""
-SHARE = 0.5
-"""So much of it is taken off a driver's turn. Between avatars all of it would be a little nearer to the truth; but what
-a person's expression is, is itself only read, and people were not among those measured."""
-
-LEAST_TOLD = 0.01
-"""Movements that an avatar's shapes make less than this share of their greatest, in sigmas, tell nothing: on an avatar
-of which a shape hardly moves anything, any tremble would be a nod."""
+LEAST_TOLD, LEAST_TOLD_SIGMAS = 0.01, 0.1
+"""Movements that an avatar's shapes make less than this share of their greatest, or less than so many sigmas, tell
+nothing: on an avatar of which a shape hardly moves anything, any tremble would be a nod."""
+MOST_DEG = 10.0
+"""No face seems to nod further: all shapes together that lift it come to 9 degrees, those that tip it to 12."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +48,9 @@ class Nodding:
     def taken_off(self, turn: Floats, coefficients: Floats) -> Floats:
         """The head's rotation [3] from its neutral, as a rotation vector in radians, without what the expression that
         was read beside it, as ``coefficients`` [coefficients], only seems to nod."""
+        most = np.radians(MOST_DEG)
         upright = np.array(turn, float)
-        upright[0] -= self.slopes @ (coefficients - self.rest)
+        upright[0] -= np.clip(self.slopes @ (coefficients - self.rest), -most, most)
         return upright
 
 
@@ -61,5 +60,7 @@ def nodding_of(gem: Gem) -> Nodding:
     if gem.arkit_weights is None:
         return Nodding(rest, np.zeros(len(rest)))
     pitch = np.radians([READ_AS_PITCH_DEG.get(name, 0.0) for name in arkit.NAMES])
-    told = np.linalg.pinv(gem.arkit_weights.astype(float) / gem.sigma, rcond=LEAST_TOLD) @ pitch
-    return Nodding(rest, SHARE * told / gem.sigma)
+    moves = gem.arkit_weights.astype(float) / gem.sigma
+    greatest = np.linalg.norm(moves, 2)
+    least = max(LEAST_TOLD, LEAST_TOLD_SIGMAS / greatest) if greatest > 0 else 1.0
+    return Nodding(rest, np.linalg.pinv(moves, rcond=least) @ pitch / gem.sigma)

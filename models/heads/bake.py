@@ -25,6 +25,7 @@ Floats = NDArray[np.floating]
 
 UV_SIZE = 160
 MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])
+EAR_CENTER, EAR_SIZE = np.array([0.080, -0.010, -0.078]), np.array([0.020, 0.045, 0.035])
 """Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
 PIVOT = np.array([0.0, -0.075, -0.02], np.float32)
 """The point a head nods and turns about, metres, canonical space."""
@@ -75,14 +76,14 @@ def make_subject(person: Person, ingredients: Ingredients, splats: int | None = 
 
 
 def _reach(head: Head, bare: Rider) -> Floats:
-    """[N] how far refinement may change a colour: hardly around the mouth.
-
-    There a splat at the rim of one expression, lent the white of the teeth, would be a speck in all others.
-    """
+    """[N] how far refinement may change a colour: hardly around the mouth, where a splat at the rim of one expression,
+    lent the white of the teeth, would be a speck in all others; and at the ears, whose rims lie before hair from one
+    side and before the sky from another."""
     canvas = (head.canvas[bare.corners] * bare.weights[..., None]).sum(1)
-    off_center = (canvas - MOUTH_CENTER) / MOUTH_SIZE
-    around = (off_center**2).sum(1) < 1
-    return np.where(around | np.isin(bare.part, (TEETH, TONGUE)), 0.03, 1.0)
+    mirrored = np.abs(canvas) * [1, 0, 0] + canvas * [0, 1, 1]
+    around = (((canvas - MOUTH_CENTER) / MOUTH_SIZE) ** 2).sum(1) < 1
+    ears = (((mirrored - EAR_CENTER) / EAR_SIZE) ** 2).sum(1) < 1
+    return np.where(around | ears | np.isin(bare.part, (TEETH, TONGUE)), 0.03, 1.0)
 
 
 def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:

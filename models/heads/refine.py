@@ -23,6 +23,9 @@ Floats = NDArray[np.floating]
 
 STEP = 1.6
 """Over-relaxation of the diagonal-preconditioned descent."""
+PRIOR = 1.0
+"""Pixels that speak for the colour a splat had before. What the views hardly see would take on any colour to mend a
+trace of somebody else's mistake."""
 
 
 @dataclass(frozen=True)
@@ -78,21 +81,22 @@ def views_of(shader: Shader, rider: Rider, size: int = 400, supersample: int = 2
 
 
 def refined(colors: Floats, views: Sequence[View], reach: Floats, steps: int = 8) -> NDArray[np.float32]:
-    """Colours [N, 3] after ``steps`` of c += 1.6 W^T residual / W^T 1, W the splats' weights in all views.
+    """Colours [N, 3] after ``steps`` of c += STEP (W^T residual + PRIOR (c_0 - c)) / (W^T 1 + PRIOR), W the splats'
+    weights in all views.
 
     No colour ends further than ``reach`` [N] from where it began.
     """
     colors = colors.astype(np.float64)
+    before = colors.copy()
     low, high = np.clip(colors - reach[:, None], 0, 1), np.clip(colors + reach[:, None], 0, 1)
     blends = [_weights(view) for view in views]
     targets = [view.target[view.covered].astype(np.float64) for view in views]
     mass = np.sum([np.asarray(blend.sum(0)).ravel() for blend in blends], axis=0)
-    seen = mass > 1e-3
     for _ in range(steps):
-        push = np.zeros_like(colors)
+        push = PRIOR * (before - colors)
         for blend, target in zip(blends, targets, strict=True):
             push += blend.T @ (target - blend @ colors)
-        colors[seen] = np.clip(colors[seen] + STEP * push[seen] / mass[seen, None], low[seen], high[seen])
+        colors = np.clip(colors + STEP * push / (mass[:, None] + PRIOR), low, high)
     return colors.astype(np.float32)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from .brows import BrowMap, paint_brows
 from .expressions import weights_of
@@ -200,6 +201,7 @@ def _under_hair(head: Head, ears: Floats, cards: NDArray[np.bool_]) -> Floats:
         distance = scene.run(start, toward.astype(np.float32), query="DISTANCE")
         covered += distance < 0.014
     covered = np.clip(covered / 7 * 1.6 - 0.5, 0, 1)
+    from_ear, _ = cKDTree(head.canvas[ears > 0.5]).query(head.canvas)  # the map of the ears ends at their rims
     y, z = head.canvas[:, 1], head.canvas[:, 2]
     grows = np.clip((y + 0.085 - 0.5 * np.clip(z + 0.09, 0, 1)) / 0.015, 0, 1)  # rises from the nape to the sideburns
-    return covered * grows * (1 - np.clip(3 * ears, 0, 1)) * (part_of_vertex(head) == SKIN)
+    return covered * grows * np.clip(from_ear / 5e-3 - 1, 0, 1) * (part_of_vertex(head) == SKIN)

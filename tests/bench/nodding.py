@@ -16,7 +16,7 @@ from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.crossing.reading import Reading
 from gemheads.models.driver.features import relative_rotation
-from gemheads.models.driver.nodding import READ_AS_PITCH_DEG, SHARE, nodding_of
+from gemheads.models.driver.nodding import READ_AS_PITCH_DEG, nodding_of
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gemfile import load_gem
 from gemheads.models.train.controls import controls_of
@@ -59,8 +59,8 @@ def read_off(mirrors: dict[str, Mirror], faces: int) -> None:
 
 
 def driven(mirrors: dict[str, Mirror], faces: int) -> None:
-    """RMS of the error of the pitch, degrees, with no, this and all of the share taken off."""
-    shares = (0.0, SHARE, 1.0)
+    """RMS of the error of the pitch, degrees, with nothing, half and all of it taken off."""
+    shares = (0.0, 0.5, 1.0)
     print(f"\n| driver | avatar | {' | '.join(f'{share:.0%} taken off' for share in shares)} |\n|---|---|---|---|---|")
     for driver, avatar in permutations(mirrors, 2):
         gem = mirrors[avatar].gem
@@ -69,7 +69,7 @@ def driven(mirrors: dict[str, Mirror], faces: int) -> None:
         errors = []
         for _, turned, turn, features in shown(mirrors[driver], faces, 9, TURNS):
             upright = nodding.taken_off(turn, express(features, turn))
-            errors.append(turn[0] - turned[0] + (upright - turn)[0] * np.array(shares) / SHARE)
+            errors.append(turn[0] - turned[0] + (upright - turn)[0] * np.array(shares))
         cells = " | ".join(f"{degrees:.2f}" for degrees in np.degrees(np.std(errors, axis=0)))
         print(f"| {driver} | {avatar} | {cells} |")
 

@@ -132,6 +132,12 @@ class TestValues:
         put(parts, "position.sigma", np.full(3, 3e38, np.float32))
         refused(sealed(parts), "moves splats by more than 10000")
 
+    @pytest.mark.parametrize("name", ["rest", "arkit_weights"])
+    def test_a_face_beyond_all_numbers(self, refused: Refused, parts: Pieces, name: str) -> None:
+        place = parts.place(name)
+        parts.payload[place.start : place.start + 4] = np.float32(3e38).tobytes()
+        refused(sealed(parts), f"'{name}' has values beyond 1,000,000")
+
     def test_texels_outside_the_map(self, refused: Refused, parts: Pieces) -> None:
         parts.card["uv_size"] = 4
         refused(sealed(parts), "outside of a map of 4 texels")

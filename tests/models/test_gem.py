@@ -74,6 +74,12 @@ def test_project_undoes_compose(gem: Gem, coefficients: np.ndarray) -> None:
     np.testing.assert_allclose(gem.project(gem.compose(coefficients)), coefficients, atol=1e-5)
 
 
+def test_project_takes_either_sign_of_a_quaternion(gem: Gem, coefficients: np.ndarray) -> None:
+    raw = gem.compose(coefficients)
+    raw.wxyz[::2] *= -1
+    np.testing.assert_allclose(gem.project(raw), coefficients, atol=1e-5)
+
+
 def test_truncated_composes_the_same(gem: Gem, coefficients: np.ndarray) -> None:
     gem = replace(
         gem, rest=coefficients, arkit_weights=np.ones((52, gem.coefficient_count), np.float32), regressor=b"x"

@@ -14,7 +14,7 @@ from gemheads.models.importers.adopt import adopt
 from gemheads.models.importers.foreign import ForeignFormatError
 from gemheads.models.importers.lam import YAW_LIMIT_DEG, load_lam
 from gemheads.render.gaussians import RawGaussians
-from gemheads.render.rotations import matrix_from_wxyz
+from gemheads.render.rotations import matrix_from_wxyz, normalized
 from gemheads.render.software import SoftwareEngine
 
 REAL = Path(__file__).resolve().parents[4] / "shared" / "data" / "lam"
@@ -90,6 +90,7 @@ class TestSmall:
             load_lam(lam.write(tmp_path / "small"))
 
     def test_the_gem_answers_arkit_weights_as_the_avatar_does(self, lam: Any, tmp_path: Path) -> None:
+        lam.splats.wxyz[::2] *= -1  # files hold either sign
         avatar = load_lam(lam.write(tmp_path / "small"))
         performance = perform(np.random.default_rng(0), 160)
         gem, distilled = adopt(avatar.source(performance), "Small", 8, {"consent": "a sheet"})
@@ -99,7 +100,10 @@ class TestSmall:
         assert distilled.variance_kept["position"][1] > 0.99999, "two shapes, two dimensions"
         for weights in (np.zeros(52), weights_of(jawOpen=0.7), weights_of(browInnerUp=1.0, jawOpen=0.2)):
             played = gem.compose(gem.arkit_coefficients(weights))
-            np.testing.assert_allclose(played.positions, avatar.frame(weights).positions, atol=2e-5)
+            wanted = avatar.frame(weights)
+            np.testing.assert_allclose(played.positions, wanted.positions, atol=2e-5)
+            same = np.abs((normalized(played.wxyz) * normalized(wanted.wxyz)).sum(1))
+            assert same.min() > np.cos(np.radians(1.0) / 2), "splats turn as they should, to a degree"
         assert gem.viewing.yaw_limit_deg == YAW_LIMIT_DEG
         assert gem.neck_weights[avatar.rest.positions[:, 1] > -0.05].min() == 1
         assert gem.neck_weights[avatar.rest.positions[:, 1] < -0.17].max() == 0
