@@ -87,8 +87,9 @@ class Driving:
         return self._capture.newest() if self._capture is not None else None
 
     def use(self, opener: Opener | None, name: str) -> None:
-        """Another source."""
+        """Another source; a neutral that is being taken is begun anew."""
         self._source, self._by_camera, self._known_camera = (opener, name), False, ""
+        self._neutral.stop()
         if self._capture is not None:
             self._capture.use(opener, name)
 
@@ -103,7 +104,7 @@ class Driving:
         """A camera by its name, the last one or the first where there is none."""
         wanted = name or self.camera
         self.use(camera_named(wanted), wanted or "Camera")
-        self._by_camera, self.camera = True, wanted
+        self._by_camera = True
 
     def open_demo(self) -> None:
         """The shipped clip."""

@@ -9,13 +9,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gemheads.app.coach import coach
 from gemheads.app.desk.actions import Order
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
 from gemheads.app.desk.session import Session
 from gemheads.app.live import run_live
+from gemheads.app.restface import RestSession
 from gemheads.app.senders.outlet import Shown
+from gemheads.app.shots import Health
 from gemheads.render.software import SoftwareEngine
 
 from .conftest import Room
@@ -294,6 +297,27 @@ def test_a_source_with_buttons_gets_them_pressed(room: Room) -> None:
     assert buttons.pressed == [("pause", 1), ("play", 1), ("step", -1), ("seek", 8.0), ("seek", 10.0)]
     assert buttons.loop is False
     assert not room.session.state.frozen
+
+
+def test_a_camera_is_remembered_by_its_name_once_it_shows_a_picture(room: Room) -> None:
+    begin(room)
+    room.session.driving.camera = "Old Cam"
+    room.session.obey(Order("camera", "nice"))
+    turn(room.session)
+    assert room.session.driving.camera == "Old Cam"  # nobody knows yet whether there is such a one
+    room.capture.health = Health("tracking", frames=1, source="Nice Cam")
+    turn(room.session)
+    assert room.session.driving.camera == "Nice Cam"
+
+
+def test_a_neutral_is_not_taken_of_two_sources(room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("neutral"))
+    turn(room.session)
+    room.session.driving.neutral._session = RestSession("collecting", green_at=1.0)
+    room.session.obey(Order("demo"))
+    turn(room.session)
+    assert room.session.driving.neutral._session == RestSession(coaching=coach(None, 0.0))
 
 
 @pytest.mark.enable_socket
