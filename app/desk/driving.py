@@ -40,6 +40,11 @@ class Driving:
         self._waker: Callable[[], None] = lambda: None
 
     @property
+    def source(self) -> tuple[Opener | None, str]:
+        """What was chosen to drive, another object with each choice: what opens it, and its name until it is open."""
+        return self._source
+
+    @property
     def health(self) -> Health:
         """How the source is doing."""
         return self._capture.health if self._capture is not None else Health()
@@ -113,7 +118,7 @@ class Driving:
         except CommandError as error:
             self._tell(str(error), True)
 
-    def press(self, order: Order, state: DeskState) -> None:
+    def press(self, order: Order) -> None:
         """A button of the source; nothing happens where it has none."""
         transport, value = self.transport, order.value
         if transport is None:
@@ -126,8 +131,6 @@ class Driving:
         elif order.name == "seek" and isinstance(value, float | int):
             wanted = transport.position + value if order.relative else value
             transport.seek(min(transport.duration, max(0.0, wanted)))
-        elif order.name == "loop":
-            transport.loop = state.loop
 
     def relock(self) -> None:
         """Follow another face."""
@@ -135,9 +138,11 @@ class Driving:
             self._capture.relock()
 
     def settle(self, state: DeskState, detector_every: int, avatar: Avatar, shot: Shot | None, now: float) -> bool:
-        """Bring sliders and neutral to where the state has them; whether a neutral was just finished."""
+        """Bring sliders, loop and neutral to where the state has them; whether a neutral was just finished."""
         if self._capture is None:
             return False
+        if (transport := self.transport) is not None and transport.loop != state.loop:
+            transport.loop = state.loop
         tuning = tuning_of(state, detector_every)
         if tuning != self._tuning:
             self._tuning = tuning

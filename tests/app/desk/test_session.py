@@ -291,11 +291,49 @@ def test_a_source_with_buttons_gets_them_pressed(room: Room) -> None:
         Order("step", -1.0, relative=True),
         Order("seek", 5.0, relative=True),
         Order("seek", 99.0),
-        Order("loop"),
     ):
         room.session.obey(order)
     assert buttons.pressed == [("pause", 1), ("play", 1), ("step", -1), ("seek", 8.0), ("seek", 10.0)]
-    assert buttons.loop is False
+    assert not room.session.state.frozen
+
+
+def test_a_source_that_is_opened_later_loops_as_the_switch_says(room: Room) -> None:
+    begin(room)
+    for looping in (False, True):
+        room.session.obey(Order("loop"))
+        room.capture.transport = buttons = Buttons()
+        buttons.loop = not looping
+        turn(room.session)
+        assert buttons.loop is room.session.state.loop is looping
+
+
+@pytest.mark.parametrize(
+    "order",
+    [Order("open", "clip.mp4"), Order("camera"), Order("demo"), Order("no_source")],
+    ids=lambda order: order.name,
+)
+def test_another_source_moves_though_the_last_one_was_frozen(order: Order, room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("play", 0.0))
+    assert room.session.state.frozen
+    room.session.obey(order)
+    assert not room.session.state.frozen
+
+
+@pytest.mark.parametrize("word", ["osc:99999999", "other.gem"])
+def test_what_changes_no_source_leaves_it_frozen(word: str, room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("play", 0.0))
+    room.session.obey(Order("open", word))
+    assert room.session.state.frozen
+
+
+def test_what_is_frozen_while_it_is_opened_is_paused_once_it_can_be(room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("play"))
+    room.capture.transport = buttons = Buttons()
+    turn(room.session)
+    assert buttons.pressed == [("pause", 1)]
     assert not room.session.state.frozen
 
 
