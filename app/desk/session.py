@@ -23,6 +23,9 @@ from .view import DeskView, Toast
 TOAST_SECS = 6.0
 SHOW_EVERY = 1 / 30
 """Seconds after which panels are drawn again though the picture is the same."""
+REPEAT_SECS = 0.25
+"""Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
+so do sound and the safety of a recording."""
 TRANSPORT = ("play", "step", "seek")
 
 
@@ -106,7 +109,8 @@ class Session:
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
-        self.stage.draw(self.state, self.gauges.quality(self._components), shot, now)
+        every = REPEAT_SECS if self.outputs.fan.listening else float("inf")
+        self.stage.draw(self.state, self.gauges.quality(self._components), shot, now, every)
 
     def drawn(self) -> Drawn | None:
         """The picture that was begun, once, when it is done."""

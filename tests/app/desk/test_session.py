@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 from gemheads.app.coach import coach
+from gemheads.app.desk import session as session_module
 from gemheads.app.desk.actions import Order
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
@@ -335,6 +337,38 @@ def test_what_is_frozen_while_it_is_opened_is_paused_once_it_can_be(room: Room) 
     turn(room.session)
     assert buttons.pressed == [("pause", 1)]
     assert not room.session.state.frozen
+
+
+def test_a_frozen_picture_goes_on_to_outputs_and_can_be_saved(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session_module, "REPEAT_SECS", 0.01)
+    begin(room)
+    room.session.obey(Order("play"))
+    room.capture.post(1.0)
+    still = turn(room.session)
+    assert turn(room.session) is None  # nobody listens: nothing is drawn
+    room.session.obey(Order("picture"))
+    until(room.session, lambda: bool(list(room.folder.glob("*.png"))))
+    spy = Spy([])
+    room.session.outputs.fan.start("spy", lambda: spy)
+    until(room.session, lambda: len(spy.got) > 2)
+    assert all(np.array_equal(shown.picture, still) for shown in spy.got)
+
+
+def test_a_recording_lasts_until_it_is_stopped_though_the_picture_was_frozen(room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("play"))
+    turn(room.session)
+    begun = time.perf_counter()
+    room.session.obey(Order("record"))
+    turn(room.session)
+    time.sleep(0.2)
+    room.session.obey(Order("record"))
+    secs = time.perf_counter() - begun
+    turn(room.session)
+    assert room.session.outputs.fan.close(20)
+    with av.open(str(next(room.folder.glob("*.mp4")))) as container:
+        times = [float(frame.pts * frame.time_base) for frame in container.decode(video=0)]
+    assert times[-1] == pytest.approx(secs, abs=0.1)
 
 
 def test_a_camera_is_remembered_by_its_name_once_it_shows_a_picture(room: Room) -> None:
