@@ -33,6 +33,7 @@ class Capture:
     ) -> None:
         """Starts the thread, without a source. Raises InputError when nothing drives this avatar."""
         self._loop = Loop(avatar, tracker, clock)
+        self._chosen = Health()
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
         self._thread.start()
@@ -45,7 +46,9 @@ class Capture:
 
     def use(self, opener: Opener | None, name: str = "") -> None:
         """Open another source, called ``name`` until it is open; None for none. The neutral is found anew."""
-        self._loop.ask(lambda: self._loop.use(opener, name))
+        serial = self._chosen.serial + 1
+        self._chosen = Health("opening" if opener else "no source", source=name, serial=serial)
+        self._loop.ask(lambda: self._loop.use(opener, name, serial))
 
     def cast(self, avatar: Avatar) -> None:
         """Another avatar; its shot of the present moment comes at once."""
@@ -68,7 +71,7 @@ class Capture:
     @property
     def transport(self) -> Transport | None:
         """The buttons of the source; None where it has none, or is not open."""
-        link = self._loop.link
+        link = self._loop.link if self._loop.serial == self._chosen.serial else None
         source = link.source if link else None
         return source.transport if source else None
 
@@ -82,8 +85,9 @@ class Capture:
 
     @property
     def health(self) -> Health:
-        """How the source is doing."""
-        return self._loop.health
+        """How the source that was asked for last is doing; never how the one before it did."""
+        health = self._loop.health
+        return health if health.serial == self._chosen.serial else self._chosen
 
     def close(self) -> None:
         """End the thread and let go of the source, within FAREWELL_SECS from any state."""

@@ -65,6 +65,8 @@ class Loop:
         self.link: Link | None = None
         self.shots: Mailbox[Shot] = Mailbox()
         self.health = Health()
+        self.serial = 0
+        """Of the source, see ``Health.serial``."""
         self._open_before = False
         self._trouble: tuple[str, str] = ("", "")
         self._shot_at = self._delivered_at = self._used_at = clock()
@@ -76,8 +78,8 @@ class Loop:
         self._wishes.append(wish)
         self._wished.set()
 
-    def use(self, opener: Opener | None, name: str) -> None:
-        """Leave the source, and open another one."""
+    def use(self, opener: Opener | None, name: str, serial: int = 0) -> None:
+        """Leave the source, and open another one, called ``serial`` in what is said of its health."""
         self.close()
         self.acting.begin()
         self._arrivals.clear()
@@ -85,6 +87,7 @@ class Loop:
         self._dropped_before = self.shots.dropped
         self._trouble, self._open_before = ("", ""), False
         self.link = Link(opener, name, self._clock, self._pause, self._spawn) if opener else None
+        self.serial = serial
 
     def cast(self, avatar: Avatar) -> None:
         """Another avatar, at once in the pose of the moment; the one before stays when nothing drives it."""
@@ -210,6 +213,7 @@ class Loop:
             rejected=(link.rejected if link else 0) + self._failed + acting.unusable,
             neutral=acting.settling.reason,
             settled=acting.settling.settled,
+            serial=self.serial,
         )
 
     def _words(self, now: float) -> tuple[SourcePhase, str, str]:

@@ -89,3 +89,5 @@ class Health:
     """Which face counts as the driver's at rest, and why it was chosen; empty before there is one."""
     settled: bool = False
     """Whether that choice is final; until then it follows a provisional one."""
+    serial: int = 0
+    """Which source this is about: rises by one with each that is chosen."""

@@ -18,6 +18,16 @@ _LENGTH_BYTES = 8
 _RATIO = re.compile(r"[0-9]{1,9}(/[0-9]{1,9})?")
 
 
+def is_tensor_file(path: Path) -> bool:
+    """Whether an ordinary file begins as these do, whatever its name; it may still be broken."""
+    try:
+        with open_ordinary(path) as (file, _):
+            start = file.read(_LENGTH_BYTES + 1)
+    except OSError:
+        return False
+    return start[_LENGTH_BYTES:] == b"{" and int.from_bytes(start[:_LENGTH_BYTES], "little") <= MAX_HEADER_BYTES
+
+
 def read_tensor_file(path: Path, most_bytes: int) -> tuple[dict[str, str], Tensors]:
     """Metadata and tensors of an ordinary file of at most ``most_bytes``; what they mean is for the caller to check.
 

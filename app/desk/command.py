@@ -24,6 +24,8 @@ from .window import DeskWindow
 
 RATE = 30
 """Pictures a second that are recorded, at most."""
+FINISH_SECS = 300.0
+"""How long a recording may be finished and signed after the window was closed; a disk that hangs takes longer."""
 
 
 def live_command(
@@ -96,7 +98,17 @@ def live_command(
         desk.close()
         if trouble := save_settings(settings, file):
             print(trouble, file=sys.stderr)
+        await_files(outputs)
     return ExitCode.OK
+
+
+def await_files(outputs: Outputs, secs: float = FINISH_SECS) -> None:
+    """Let closed outputs finish and sign what they write, for ``secs`` at most; says so when that takes a moment."""
+    if outputs.finished():
+        return
+    print("The recording is being finished ...", file=sys.stderr)
+    if not outputs.finished(secs):
+        print(f"It is not finished after {secs:.0f} s, so it stays as far as it is; check the disk.", file=sys.stderr)
 
 
 def opening_roster(wanted: str | None, before: str) -> Roster:

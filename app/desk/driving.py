@@ -40,6 +40,11 @@ class Driving:
         self._waker: Callable[[], None] = lambda: None
 
     @property
+    def source(self) -> tuple[Opener | None, str]:
+        """What was chosen to drive, another object with each choice: what opens it, and its name until it is open."""
+        return self._source
+
+    @property
     def health(self) -> Health:
         """How the source is doing."""
         return self._capture.health if self._capture is not None else Health()
@@ -87,8 +92,9 @@ class Driving:
         return self._capture.newest() if self._capture is not None else None
 
     def use(self, opener: Opener | None, name: str) -> None:
-        """Another source."""
+        """Another source; a neutral that is being taken is begun anew."""
         self._source, self._by_camera, self._known_camera = (opener, name), False, ""
+        self._neutral.stop()
         if self._capture is not None:
             self._capture.use(opener, name)
 
@@ -103,7 +109,7 @@ class Driving:
         """A camera by its name, the last one or the first where there is none."""
         wanted = name or self.camera
         self.use(camera_named(wanted), wanted or "Camera")
-        self._by_camera, self.camera = True, wanted
+        self._by_camera = True
 
     def open_demo(self) -> None:
         """The shipped clip."""
@@ -112,7 +118,7 @@ class Driving:
         except CommandError as error:
             self._tell(str(error), True)
 
-    def press(self, order: Order, state: DeskState) -> None:
+    def press(self, order: Order) -> None:
         """A button of the source; nothing happens where it has none."""
         transport, value = self.transport, order.value
         if transport is None:
@@ -125,8 +131,6 @@ class Driving:
         elif order.name == "seek" and isinstance(value, float | int):
             wanted = transport.position + value if order.relative else value
             transport.seek(min(transport.duration, max(0.0, wanted)))
-        elif order.name == "loop":
-            transport.loop = state.loop
 
     def relock(self) -> None:
         """Follow another face."""
@@ -134,9 +138,11 @@ class Driving:
             self._capture.relock()
 
     def settle(self, state: DeskState, detector_every: int, avatar: Avatar, shot: Shot | None, now: float) -> bool:
-        """Bring sliders and neutral to where the state has them; whether a neutral was just finished."""
+        """Bring sliders, loop and neutral to where the state has them; whether a neutral was just finished."""
         if self._capture is None:
             return False
+        if (transport := self.transport) is not None and transport.loop != state.loop:
+            transport.loop = state.loop
         tuning = tuning_of(state, detector_every)
         if tuning != self._tuning:
             self._tuning = tuning

@@ -71,6 +71,7 @@ class OnStage:
         self._drawing: Beside[Drawn] = Beside("draw")
         self._coming: tuple[Avatar, float] | None = None
         self._drawn: tuple[object, ...] = ()
+        self._drawn_at = 0.0
         self._used = 0
 
     @property
@@ -147,16 +148,21 @@ class OnStage:
         self.shot = shot
         return shot, changed
 
-    def draw(self, state: DeskState, quality: Quality, shot: Shot | None, now: float) -> None:
-        """Begin the next picture while ``free``, when there is something new to be seen in it: ``shot``, for one."""
+    def draw(
+        self, state: DeskState, quality: Quality, shot: Shot | None, now: float, every: float = float("inf")
+    ) -> None:
+        """Begin the next picture while ``free``, when there is something new to be seen in it: ``shot``, for one.
+
+        The same picture is drawn again after ``every`` seconds.
+        """
         if self.avatar is None or self._painter is None:
             return
         drawn = (self.avatar.sha256, state, quality)
         sweeps = state.exploring.on and state.exploring.sweep
-        if shot is None and not sweeps and drawn == self._drawn:
+        if shot is None and not sweeps and drawn == self._drawn and now - self._drawn_at < every:
             return
         avatar, painter, gem = self.avatar, self._painter, self.avatar.gem
-        self._drawn, self._used = drawn, quality.components
+        self._drawn, self._drawn_at, self._used = drawn, now, quality.components
         driven = self.shot.pose if self.shot is not None else Pose(gem.rest_coefficients, NO_SHIFT)
         pose = explore.posed(gem, driven, state, now)
 

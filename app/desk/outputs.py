@@ -51,7 +51,7 @@ class Outputs:
 
     def picture(self) -> None:
         """Save the next picture."""
-        self.fan.start(PICTURE, lambda: Snapshot(self._folder()), once=True)
+        self.fan.start(PICTURE, lambda: Snapshot(self._folder()), once=True, filing=True)
 
     def lines(self) -> tuple[OutputLine, ...]:
         """How each does."""
@@ -66,15 +66,19 @@ class Outputs:
         )
 
     def close(self) -> None:
-        """End all of them, in under a second."""
+        """End all of them, in under a second; a file may still be written to its end, and signed, behind that."""
         self.fan.close()
+
+    def finished(self, timeout: float = 0.0) -> bool:
+        """After ``close``: whether all files are finished, or will be within ``timeout`` seconds, which are waited."""
+        return self.fan.filed(timeout)
 
     def _start(self, name: str, label: str, state: DeskState) -> None:
         self._started.add(name)
         transparent = state.background == "transparent"
         if name == "record":
             sound = state.microphone
-            self.fan.start(label, lambda: self._recording(transparent, sound), depth=RECORDING_DEPTH)
+            self.fan.start(label, lambda: self._recording(transparent, sound), depth=RECORDING_DEPTH, filing=True)
         elif name == "virtual_camera":
             self.fan.start(label, lambda: open_virtual_camera(self._size, rate=self._rate))
         else:

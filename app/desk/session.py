@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from ...render.engines import Engine
@@ -22,7 +23,10 @@ from .view import DeskView, Toast
 TOAST_SECS = 6.0
 SHOW_EVERY = 1 / 30
 """Seconds after which panels are drawn again though the picture is the same."""
-TRANSPORT = ("play", "step", "seek", "loop")
+REPEAT_SECS = 0.25
+"""Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
+so do sound and the safety of a recording."""
+TRANSPORT = ("play", "step", "seek")
 
 
 class Session:
@@ -71,7 +75,10 @@ class Session:
         """Do what was asked for."""
         if order.name != "play" or self.driving.transport is None:
             self.state = update(self.state, order)
+        source = self.driving.source
         self._carry_out(order)
+        if self.driving.source is not source:
+            self.state = replace(self.state, frozen=False)  # it was the other one that was to stand still
 
     def settle(self, now: float) -> None:
         """Bring about what the state says, as far as it is ready."""
@@ -88,6 +95,9 @@ class Session:
             self.state, every, self.stage.avatar, self.stage.shot, now
         ):
             self.obey(Order("neutral"))
+        if self.state.frozen and (transport := self.driving.transport) is not None:
+            transport.pause()  # asked for while it was being opened
+            self.state = replace(self.state, frozen=False)
 
     def draw(self, now: float, beside: bool = False) -> None:
         """Begin a picture of the newest shot, unless one is being drawn or the last one still holds.
@@ -99,7 +109,8 @@ class Session:
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
-        self.stage.draw(self.state, self.gauges.quality(self._components), shot, now)
+        every = REPEAT_SECS if self.outputs.fan.listening else float("inf")
+        self.stage.draw(self.state, self.gauges.quality(self._components), shot, now, every)
 
     def drawn(self) -> Drawn | None:
         """The picture that was begun, once, when it is done."""
@@ -174,7 +185,7 @@ class Session:
         name, value, roster = order.name, order.value, self.stage.roster
         words = value if isinstance(value, str) else ""
         if name in TRANSPORT:
-            self.driving.press(order, self.state)
+            self.driving.press(order)
         elif name == "avatar" and isinstance(value, float | int):
             self.stage.call(roster.numbered(value))
         elif name in ("previous_avatar", "next_avatar"):

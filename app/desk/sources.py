@@ -1,10 +1,11 @@
 """From a word to the source behind it: a camera by name, the demo, a file, a port."""
 
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import InputError
-from ..inputs import cameras, open_camera, open_input
+from ..inputs import CameraChoice, cameras, open_camera, open_input
 from ..inputs.source import LiveSource, Opener, SourceLost
 from ..library import DEMO_CLIP, SUFFIX
 
@@ -35,21 +36,36 @@ class CameraList:
 def camera_named(name: str, size: tuple[int, int] = (640, 480), rate: float = 30.0) -> Opener:
     """What opens a camera: the one of this name, or one whose name has it in it, or the first where ``name`` is empty.
 
-    Which one that is, is found out when it is opened.
+    Which one that is, is found out when it is opened. Once it was, no other one is opened in its place.
     """
+    known: Opener | None = None
 
     def opened() -> LiveSource:
+        nonlocal known
+        if known is not None:
+            return known()
         found = cameras()
-        for fits in (lambda camera: camera.name == name, lambda camera: name.lower() in camera.name.lower()):
-            for camera in found:
-                if fits(camera):
-                    return open_camera(camera, size, rate)()
+        camera = _fitting(found, name)
+        if camera is not None:
+            opener = open_camera(camera, size, rate)
+            source, known = opener(), opener
+            return source
         names = ", ".join(camera.name for camera in found)
         if not names:
             raise SourceLost("There is no camera.", "Plug one in, or choose the demo or a video.", retry=True)
         raise SourceLost(f"There is no camera called {name}.", f"Choose one of: {names}.", retry=True)
 
     return opened
+
+
+def _fitting(found: list[CameraChoice], name: str) -> CameraChoice | None:
+    """The camera that is meant; live.toml of an earlier version has names with size and rate behind them."""
+    fits: tuple[Callable[[str], bool], ...] = (
+        lambda other: other == name,
+        lambda other: name.lower() in other.lower(),
+        lambda other: name.startswith(f"{other}, "),
+    )
+    return next((camera for fit in fits for camera in found if fit(camera.name)), None)
 
 
 def demo() -> tuple[Opener, str]:

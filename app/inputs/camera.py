@@ -63,7 +63,7 @@ def cameras() -> list[CameraChoice]:
 
 
 Device = Any
-"""What ``cv2.VideoCapture`` offers: isOpened, read, get, set, release."""
+"""What ``cv2.VideoCapture`` offers: isOpened, read, set, release."""
 
 
 def open_camera(
@@ -107,20 +107,16 @@ class Camera:
     def __init__(
         self, name: str, device: Device, size: tuple[int, int], rate: float, clock: Callable[[], float]
     ) -> None:
-        self._label, self._device, self._clock = name, device, clock
+        self.name = name
+        """The camera's alone: by it the camera is found again, and its neutral kept."""
+        self._device, self._clock = device, clock
         self._box: Mailbox[TimedFrame] = Mailbox()
         self._stopped = threading.Event()
         self._lost: SourceLost | None = None
         self.rejected = 0
-        self.size, self.rate = _asked_for(device, size, rate)
-        """Width and height, and frames a second, that the camera says it gives."""
+        _ask_for(device, size, rate)
         self._thread = threading.Thread(target=self._run, name=f"camera {name}", daemon=True)
         self._thread.start()
-
-    @property
-    def name(self) -> str:
-        """The camera and what it delivers."""
-        return f"{self._label}, {self.size[0]}x{self.size[1]} at {self.rate:.0f} frames/s"
 
     @property
     def drops(self) -> int:
@@ -150,14 +146,14 @@ class Camera:
                     self._box.put(TimedFrame(picture, pts, MICROSECOND, delivered=now))
                 elif now - good > SILENT_SECS:
                     raise SourceLost(
-                        f"{self._label} went away.", "Plug it in again; it is used as soon as it is there.", True
+                        f"{self.name} went away.", "Plug it in again; it is used as soon as it is there.", True
                     )
                 else:
                     self._stopped.wait(_PAUSE_SECS)
         except SourceLost as lost:
             self._lost = lost
         except Exception as error:  # drivers raise what they like; the loop is to hear of it
-            self._lost = SourceLost(f"{self._label} failed ({error}).", _cure(), True)
+            self._lost = SourceLost(f"{self.name} failed ({error}).", _cure(), True)
         finally:
             self._device.release()
 
@@ -179,8 +175,8 @@ class Camera:
         return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
 
 
-def _asked_for(device: Device, size: tuple[int, int], rate: float) -> tuple[tuple[int, int], float]:
-    """Ask for a size and a rate; returns what the device then says it gives."""
+def _ask_for(device: Device, size: tuple[int, int], rate: float) -> None:
+    """Ask for a size and a rate; the device may give others."""
     import cv2
 
     if size[0] * size[1] > _BY_WIRE[0] * _BY_WIRE[1]:
@@ -189,8 +185,6 @@ def _asked_for(device: Device, size: tuple[int, int], rate: float) -> tuple[tupl
     device.set(cv2.CAP_PROP_FRAME_HEIGHT, size[1])
     device.set(cv2.CAP_PROP_FPS, rate)
     device.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # where it is understood: an older picture than the newest is of no use
-    width, height = (int(device.get(p) or 0) for p in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
-    return (width, height), float(device.get(cv2.CAP_PROP_FPS) or 0.0)
 
 
 def _opencv(index: int) -> Device:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..errors import InputError, UsageError
 from ..sources import IMAGE_SUFFIXES
+from ..tensorfile import is_tensor_file
 from .oscin import LOOPBACK, PORTS, FaceData
 from .source import LiveSource, Opener
 
@@ -33,7 +34,7 @@ def _open_path(text: str, clock: Callable[[], float]) -> LiveSource:
     path = Path(text).expanduser()
     if text == DEMO_WORD and not path.exists():
         return open_demo(clock)
-    if path.suffix.lower() == ".safetensors":
+    if path.suffix.lower() == ".safetensors" or is_tensor_file(path):
         return open_track(path, clock)
     if path.is_file() and path.suffix.lower() not in IMAGE_SUFFIXES:
         return VideoPlayer(path, clock)

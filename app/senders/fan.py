@@ -21,7 +21,7 @@ class Fan:
         """Whether any output takes pictures now."""
         return any(worker.open for worker in self._workers.values())
 
-    def start(self, name: str, opener: Opener, depth: int = 1, once: bool = False) -> None:
+    def start(self, name: str, opener: Opener, depth: int = 1, once: bool = False, filing: bool = False) -> None:
         """Turn an output on; nothing happens while one of this name is on.
 
         Args:
@@ -29,13 +29,14 @@ class Fan:
             opener: opens it, in the output's thread.
             depth: how many pictures may wait; the newest win.
             once: turn it off again after one picture.
+            filing: it writes a file, see ``Worker``.
         """
         if self.running(name):
             return
         if (before := self._workers.get(name)) is not None:
             self._finishing.append(before)
         self._finishing = [worker for worker in self._finishing if not worker.join(0)]
-        self._workers[name] = Worker(name, opener, depth, once)
+        self._workers[name] = Worker(name, opener, depth, once, filing)
 
     def stop(self, name: str) -> None:
         """Turn an output off; it finishes what it has in its own thread. Nothing happens when it is not on."""
@@ -70,9 +71,21 @@ class Fan:
 
     def close(self, timeout: float = 0.8) -> bool:
         """Turn all off and wait for them, at most ``timeout`` seconds together; whether all finished in time."""
-        workers = [*self._workers.values(), *self._finishing]
+        workers = self._all()
         for worker in workers:
             worker.end()
-        until = time.perf_counter() + timeout
-        finished = [worker.join(until - time.perf_counter()) for worker in workers]
-        return all(finished)
+        return _joined(workers, timeout)
+
+    def filed(self, timeout: float = 0.0) -> bool:
+        """Whether after ``close`` all files are finished, or will be within ``timeout`` seconds, which are waited."""
+        return _joined([worker for worker in self._all() if worker.filing], timeout)
+
+    def _all(self) -> list[Worker]:
+        return [*self._workers.values(), *self._finishing]
+
+
+def _joined(workers: list[Worker], timeout: float) -> bool:
+    """Whether all are finished within ``timeout`` seconds together."""
+    until = time.perf_counter() + timeout
+    finished = [worker.join(until - time.perf_counter()) for worker in workers]
+    return all(finished)

@@ -2,8 +2,9 @@
 
 import logging
 import threading
+import time
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from ..errors import CommandError
@@ -28,11 +29,19 @@ class Report:
 class Worker:
     """Opens an outlet and feeds it; the newest pictures win, and the outlet is closed whatever happens."""
 
-    def __init__(self, name: str, opener: Opener, depth: int, once: bool) -> None:
-        """``depth`` >= 1: how many pictures may wait; ``once``: it is done with the first picture."""
-        self.name, self.drops = name, 0
+    def __init__(self, name: str, opener: Opener, depth: int, once: bool, filing: bool = False) -> None:
+        """
+        Args:
+            name: what the person calls it.
+            opener: opens the outlet, in the thread.
+            depth: how many pictures may wait, at least 1.
+            once: it is done with the first picture.
+            filing: it writes a file: the last picture, which was shown until the end, is given once more then.
+        """
+        self.name, self.drops, self.filing = name, 0, filing
         self._opener, self._depth, self._once = opener, depth, once
         self._waiting: deque[Shown] = deque()
+        self._last: Shown | None = None
         self._changed = threading.Condition()
         self._ending = False
         self._phase: SenderPhase = "opening"
@@ -55,6 +64,7 @@ class Worker:
                 self._waiting.popleft()
                 self.drops += 1
             self._waiting.append(shown)
+            self._last = shown
             # the picture of this moment, and no other one while it is being saved
             self._ending = self._once
             self._changed.notify()
@@ -62,6 +72,8 @@ class Worker:
     def end(self) -> None:
         """No more pictures; those that wait are still taken."""
         with self._changed:
+            if self.filing and self._last is not None and not self._ending:
+                self._waiting.append(replace(self._last, shown_at=time.perf_counter()))
             self._ending = True
             self._changed.notify()
 

@@ -13,6 +13,7 @@ from gemheads.app.casting import Avatar, open_avatar
 from gemheads.app.frames import Frame
 from gemheads.app.inputs import CameraChoice, open_camera, open_input
 from gemheads.app.inputs.source import Delivery
+from gemheads.app.inputs.transport import Playhead
 from gemheads.app.library import DEMO_CLIP, find_avatar
 from gemheads.app.loop import Loop
 from gemheads.app.shots import Shot
@@ -56,6 +57,13 @@ class Hanging(Source):
     def read(self, timeout: float) -> Delivery | None:
         self.go_on.wait(PATIENCE_SECS)
         return None
+
+
+class OneThenHanging(Hanging):
+    """The same after one delivery."""
+
+    def read(self, timeout: float) -> Delivery | None:
+        return Source.read(self, timeout) if self.next is not None else super().read(timeout)
 
 
 @pytest.fixture
@@ -126,11 +134,26 @@ def test_it_closes_while_a_camera_hangs_in_its_driver(capture: Capture) -> None:
     device = Device()
     choice = CameraChoice("Cam", 0)
     capture.use(open_camera(choice, connected=lambda: [choice], open_device=lambda _: device), "Cam")
-    until(lambda: capture.health.source.startswith("Cam,"))
+    until(lambda: capture._loop.link is not None and capture._loop.link.source is not None)
     next_shot(capture)
     close_in_time(capture)
     go_on.set()
     until(lambda: device.released)
+
+
+def test_health_and_buttons_are_never_those_of_the_source_before(capture: Capture) -> None:
+    before = OneThenHanging(name="before", transport=Playhead(10.0, 1 / 30))
+    before.next = Frame(picture(), 0, Fraction(1, 30))
+    capture.use(lambda: before, "before")
+    until(lambda: capture.health.frames == 1)
+    assert capture.transport is before.transport
+    after = Source(name="what it says itself")
+    capture.use(lambda: after, "after")
+    health = capture.health  # while the capture thread still hangs in the one before
+    assert (health.phase, health.source, health.frames) == ("opening", "after", 0)
+    assert capture.transport is None
+    before.go_on.set()
+    until(lambda: capture.health.source == after.name)
 
 
 def test_wishes_return_at_once_whatever_the_source_does(capture: Capture) -> None:

@@ -46,10 +46,12 @@ def driver(view: DeskView, ask: Ask) -> None:
     _sketch(view, ask)
     if view.transport is not None:
         _transport(view, ask)
+    observed = view.shot.observed if view.shot is not None else None
+    size = "{}x{}".format(*observed.picture_size) if observed is not None else ""
     rate = f"{health.rate:.0f} per second" if health.rate else ""
     skipped = f"{health.drops} skipped" if health.drops else ""
-    if rate or skipped:
-        faint(", ".join(part for part in (rate, skipped) if part))
+    if size or rate or skipped:
+        faint(", ".join(part for part in (size, rate, skipped) if part))
     for sentence in (*(f"{health.message} {health.cure}".strip(),), *health.hints):
         if sentence:
             text(sentence, theme.WARNING)

@@ -6,6 +6,9 @@ import pytest
 from gemheads.app.errors import InputError, UsageError
 from gemheads.app.inputs import open_input
 from gemheads.app.library import DEMO_CLIP
+from gemheads.app.tracks import save_track
+
+from ..test_tracks import TRACK
 
 
 def test_words_mean_what_they_say(tmp_path: Path) -> None:
@@ -20,6 +23,12 @@ def test_words_mean_what_they_say(tmp_path: Path) -> None:
         source = open_input(text)()
         assert source.kind == kind
         source.close()
+
+
+def test_a_track_is_one_whatever_its_name(tmp_path: Path) -> None:
+    save_track(TRACK, tmp_path / "talk.track")
+    source = open_input(str(tmp_path / "talk.track"))()
+    assert (source.kind, source.name) == ("track", TRACK.avatar)
 
 
 @pytest.mark.enable_socket

@@ -183,6 +183,42 @@ def test_stopping_finishes_in_the_background() -> None:
     fan.stop("never started")
 
 
+def test_a_file_gets_the_last_picture_once_more_at_the_end_for_it_was_shown_until_then() -> None:
+    file, stream, fan = Keeper(), Keeper(), Fan()
+    fan.start("recording", lambda: file, depth=8, filing=True)
+    fan.start("camera", lambda: stream)
+    for value in (1, 2):
+        fan.offer(picture(value), 0.0)
+    before = time.perf_counter()
+    fan.stop("recording")
+    after = time.perf_counter()
+    fan.stop("recording")
+    assert fan.close(SOON)
+    assert values(file) == [1, 2, 2]
+    assert before <= file.kept[-1].shown_at <= after
+    assert values(stream)[-1] == 2
+    assert stream.kept[-1].shown_at == 0.0
+
+
+def test_a_file_that_takes_its_time_to_be_finished_is_known_of_after_closing() -> None:
+    class Signing(Keeper):
+        def close(self) -> None:
+            assert go_on.wait(SOON)
+
+    class Hanging(Keeper):
+        def close(self) -> None:
+            assert never.wait(SOON)
+
+    go_on, never, fan = threading.Event(), threading.Event(), Fan()
+    fan.start("recording", Signing, filing=True)
+    fan.start("camera", Hanging)
+    assert not fan.close(0.05)
+    assert not fan.filed()
+    go_on.set()
+    assert fan.filed(SOON), "a camera that hangs is nothing to wait for"
+    never.set()
+
+
 def test_a_fault_in_an_output_is_told_with_its_kind() -> None:
     class Broken(Keeper):
         def send(self, shown: Shown) -> None:

@@ -1,0 +1,46 @@
+"""What `gemheads live` does after its window was closed."""
+
+import threading
+from pathlib import Path
+
+import pytest
+from gemheads.app.desk.command import await_files
+from gemheads.app.desk.outputs import Outputs
+
+from ..senders.test_fan import SOON, Keeper
+
+
+class Signing(Keeper):
+    """A recording whose last moment takes as long as it is told to."""
+
+    def __init__(self, go_on: threading.Event) -> None:
+        super().__init__()
+        self.go_on = go_on
+
+    def close(self) -> None:
+        self.closed = self.go_on.wait(SOON)
+
+
+def closed(recording: Signing) -> Outputs:
+    outputs = Outputs((96, 96), 30, Path)
+    outputs.fan.start("Recording", lambda: recording, filing=True)
+    outputs.fan.close(0.05)
+    return outputs
+
+
+def test_a_recording_that_is_being_signed_is_waited_for_aloud(capsys: pytest.CaptureFixture[str]) -> None:
+    recording = Signing(threading.Event())
+    outputs = closed(recording)
+    threading.Timer(0.1, recording.go_on.set).start()
+    await_files(outputs, SOON)
+    assert recording.closed
+    assert capsys.readouterr().err == "The recording is being finished ...\n"
+    await_files(outputs)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_disk_that_hangs_is_not_waited_for_without_end(capsys: pytest.CaptureFixture[str]) -> None:
+    recording = Signing(threading.Event())
+    await_files(closed(recording), 0.05)
+    assert "not finished" in capsys.readouterr().err
+    recording.go_on.set()
