@@ -67,6 +67,8 @@ def read_header(file: BinaryIO, size: int) -> Header:
         raise GemFormatError("this is no avatar: it does not start with a safetensors header", "give a .gem file")
     if _LENGTH_BYTES + length > size:
         raise GemFormatError(f"the file is cut off: its header has {length} bytes, the file {size}")
+    if length % _ALIGNMENT:
+        raise GemFormatError(f"its header has {length} bytes, which is no multiple of {_ALIGNMENT}")
     tree = read_json(file.read(length), "the header")
     metadata = tree.pop("__metadata__", {})
     if not isinstance(metadata, dict) or not all(isinstance(value, str) for value in metadata.values()):
@@ -127,10 +129,14 @@ def _entry(name: str, value: object) -> Entry:
 
 
 def _check_places(entries: Mapping[str, Entry], available: int) -> None:
-    end = 0
+    end, width = 0, _ALIGNMENT
     for name, entry in sorted(entries.items(), key=lambda item: (item[1].start, item[1].end)):
         if entry.start != end:
             raise GemFormatError(f"tensor {name[:40]!r} starts at byte {entry.start} of the payload instead of {end}")
+        if entry.start < entry.end:  # an empty one lies anywhere
+            if entry.dtype.itemsize > width:
+                raise GemFormatError(f"tensor {name[:40]!r} of {entry.dtype} lies behind one of a narrower type")
+            width = entry.dtype.itemsize
         end = entry.end
     if end != available:
         raise GemFormatError(f"the file is cut off or has grown: its tensors need {end} bytes, {available} are there")

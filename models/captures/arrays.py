@@ -6,16 +6,20 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.lib.format as npy
 from numpy.typing import NDArray
 
+from ..wholefile import open_ordinary
 from .layout import CaptureError
 
-MAX_BYTES = 256 * 2**20
-"""Of one unpacked array: far above any head mesh, far below what exhausts memory."""
+MAX_BYTES = 64 * 2**20
+"""Of all arrays of a mesh, unpacked: far above any head's, far below what exhausts memory."""
+_MAX_DIRECTORY = 2**16
+"""Bytes of an archive's list of what is in it; zipfile makes a hundred times as many of them."""
+_DIRECTORY_END, _LARGE_END, _END_BYTES, _LARGE_END_BYTES = b"PK\5\6", b"PK\6\7", 22, 20
 _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 _BROKEN = (
     *(OSError, ValueError, EOFError, KeyError, TypeError, SyntaxError, OverflowError, RuntimeError),
@@ -25,25 +29,42 @@ _BROKEN = (
 _AGAIN = "write it anew with numpy.savez (docs/captures.md lists its arrays)"
 
 
-def load_arrays(path: Path, names: tuple[str, ...]) -> Mapping[str, NDArray[Any]]:
+def load_arrays(path: Path, names: tuple[str, ...], at_most: int = MAX_BYTES) -> Mapping[str, NDArray[Any]]:
     """Those of ``names`` that the file has.
 
-    Raises CaptureError where the file is missing, is no .npz, or holds objects or arrays larger than MAX_BYTES.
+    Raises CaptureError where the file is missing, is no .npz, holds objects, or where those arrays together unpack to
+    more than ``at_most`` bytes.
     """
     if not path.is_file():
         raise CaptureError(path, "is missing", "every timestep needs its mesh, and the capture its template.npz")
     try:
-        with zipfile.ZipFile(path) as packed:
-            entries = {entry.filename.removesuffix(".npy"): entry for entry in packed.infolist()}
-            return {name: _array(packed, entries[name]) for name in names if name in entries}
+        with open_ordinary(path) as (file, _):
+            _check_directory(file)
+            with zipfile.ZipFile(file) as packed:
+                entries = {entry.filename.removesuffix(".npy"): entry for entry in packed.infolist()}
+                wanted = {name: entries[name] for name in names if name in entries}
+                if (size := sum(entry.file_size for entry in wanted.values())) > at_most:
+                    raise ValueError(f"it unpacks to {size / 2**20:.0f} MiB, at most {at_most / 2**20:.0f} are read")
+                return {name: _array(packed, entry) for name, entry in wanted.items()}
     except _BROKEN as error:
         raise CaptureError(path, f"cannot be read as an .npz of plain arrays ({error})", _AGAIN) from error
 
 
+def _check_directory(file: BinaryIO) -> None:
+    """Makes sure that the archive ends as numpy writes it, with a short list of what is in it. Raises ValueError."""
+    size = file.seek(0, 2)
+    file.seek(max(0, size - _END_BYTES - _LARGE_END_BYTES))
+    before, end = (tail := file.read())[:-_END_BYTES], tail[-_END_BYTES:]
+    if not end.startswith(_DIRECTORY_END):
+        raise ValueError("it does not end as an archive does")
+    if before.startswith(_LARGE_END) or int.from_bytes(end[12:16], "little") > _MAX_DIRECTORY:
+        raise ValueError("it is an archive of more than arrays")
+
+
 def _array(packed: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
     """One array, whose header is held against the bytes that are there before memory is taken. Raises ValueError."""
-    if entry.file_size > MAX_BYTES:
-        raise ValueError(f"{entry.filename[:40]} unpacks to {entry.file_size / 2**20:.0f} MiB")
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):  # others ask for memory by themselves
+        raise ValueError(f"{entry.filename[:40]} is packed otherwise than by numpy")
     with packed.open(entry) as file:
         read_header = _HEADERS.get(npy.read_magic(file))
         if read_header is None:

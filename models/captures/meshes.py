@@ -13,6 +13,7 @@ from .layout import NECK_PIVOT, CaptureError, Template, Tracked
 
 _HEAD_METRES = (0.05, 1.5)
 """A template smaller or larger than this is not in metres."""
+_MAX_PARTS = 256
 _TOPOLOGY = "track every moment with the mesh of template.npz"
 
 
@@ -38,7 +39,10 @@ def read_template(path: Path) -> Template:
     weights = floats(path, "neck_weights", arrays.get("neck_weights", np.ones(count, np.float32)), (count,))
     if weights.min() < 0 or weights.max() > 1:
         raise CaptureError(path, f"has neck_weights in {weights.min()}..{weights.max()}", "they are shares in 0..1")
-    part_names = tuple(str(name) for name in np.atleast_1d(arrays.get("part_names", np.array(["skin"]))))
+    named = np.atleast_1d(arrays.get("part_names", np.array(["skin"])))
+    if named.ndim != 1 or not 1 <= len(named) <= _MAX_PARTS:
+        raise CaptureError(path, f"has part_names {list(named.shape)}", f"name 1 to {_MAX_PARTS} parts")
+    part_names = tuple(str(name) for name in named)
     parts = arrays.get("parts", np.zeros(len(triangles), np.uint8))
     return Template(
         vertices=vertices,

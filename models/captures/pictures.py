@@ -7,8 +7,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ..picturefile import MAX_PIXELS, decode_picture
+from ..wholefile import open_ordinary
 from .layout import CaptureError
 
+MAX_BYTES = 5 * MAX_PIXELS
+"""Of a picture's file; four channels of the largest that is decoded have less."""
+_MAX_SEGMENTS = 2**12
+"""Of a JPEG before its size is told; a real one has a hundred at most."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 _JPEG = b"\xff\xd8"
 _AGAIN = "export it again as PNG or JPEG"
@@ -17,14 +23,17 @@ _AGAIN = "export it again as PNG or JPEG"
 def picture_size(path: Path) -> tuple[int, int]:
     """Width and height, from the first bytes of a PNG or JPEG. Raises CaptureError."""
     try:
-        with path.open("rb") as file:
+        with open_ordinary(path) as (file, _):
             head = file.read(26)
             if head.startswith(_PNG) and len(head) == 26 and head[12:16] == b"IHDR":
                 width, height = struct.unpack(">II", head[16:24])
                 return width, height
             if head.startswith(_JPEG):
                 file.seek(2)
-                while (mark := file.read(4))[:1] == b"\xff" and len(mark) == 4:
+                for _ in range(_MAX_SEGMENTS):
+                    mark = file.read(4)
+                    if len(mark) < 4 or mark[0] != 0xFF:
+                        break
                     kind, length = mark[1], struct.unpack(">H", mark[2:])[0]
                     if 0xC0 <= kind <= 0xCF and kind not in (0xC4, 0xC8, 0xCC):  # a start of frame
                         height, width = struct.unpack(">xHH", file.read(5))
@@ -33,21 +42,24 @@ def picture_size(path: Path) -> tuple[int, int]:
     except FileNotFoundError:
         raise CaptureError(path, "is missing", "copy it there, or take its frame out of the transforms file") from None
     except (OSError, struct.error, ValueError) as error:
-        raise CaptureError(path, f"cannot be read ({error})", _AGAIN) from error
+        said = getattr(error, "strerror", None) or error
+        raise CaptureError(path, f"cannot be read ({said})", _AGAIN) from error
     raise CaptureError(path, "is neither PNG nor JPEG", _AGAIN)
 
 
 def read_pixels(path: Path, width: int, height: int) -> NDArray[np.uint8]:
     """RGB [H, W, 3] or RGBA [H, W, 4], sRGB. Raises CaptureError where it is broken or of another size."""
     try:
-        packed = np.fromfile(path, np.uint8)
+        with open_ordinary(path) as (file, size):
+            if size > MAX_BYTES:
+                raise CaptureError(path, f"has {size} bytes, at most {MAX_BYTES} are read", _AGAIN)
+            decoded = decode_picture(file.read(size), cv2.IMREAD_UNCHANGED)
     except OSError as error:
-        raise CaptureError(
-            path, f"cannot be read ({error.strerror})", "the capture changed while it was used"
-        ) from error
-    image = cv2.imdecode(packed, cv2.IMREAD_UNCHANGED) if len(packed) else None
-    if image is None or image.dtype != np.uint8:
+        said = error.strerror or error
+        raise CaptureError(path, f"cannot be read ({said})", "the capture changed while it was used") from error
+    if decoded is None or decoded.dtype != np.uint8:
         raise CaptureError(path, "is broken, or not of 8 bits a channel", _AGAIN)
+    image = np.asarray(decoded, np.uint8)
     if image.shape[:2] != (height, width):
         raise CaptureError(path, f"is {image.shape[1]}x{image.shape[0]}, not {width}x{height}", _AGAIN)
     if image.ndim == 2:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gem import Viewing
+from ..picturefile import MAX_PIXELS
 from .layout import (
     SPLITS,
     TEMPLATE,
@@ -155,7 +156,13 @@ def _joined(folder: Path, splits: Mapping[str, Transforms]) -> dict[int, Path]:
 def _check_pictures(shot: Shot) -> None:
     wanted = shot.camera.width, shot.camera.height
     for path in (shot.picture, shot.mask):
-        if path is not None and (size := picture_size(path)) != wanted:
+        if path is None:
+            continue
+        size = picture_size(path)
+        if size[0] * size[1] > MAX_PIXELS:
+            what = f"is {size[0]}x{size[1]}, more than the {MAX_PIXELS} pixels that are read"
+            raise CaptureError(path, what, "scale the picture down, and its camera's w, h, fl_x, fl_y, cx, cy")
+        if size != wanted:
             what = f"is {size[0]}x{size[1]}, its camera {wanted[0]}x{wanted[1]}"
             raise CaptureError(path, what, "scale the picture, or the camera's w, h, fl_x, fl_y, cx, cy")
 

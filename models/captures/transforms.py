@@ -143,6 +143,8 @@ def _inside(path: Path, name: str, value: Any) -> Path:
     if not isinstance(value, str) or not 0 < len(value) <= _MAX_PATH or "\0" in value:
         raise CaptureError(path, f"{name} has no file_path, or one that is no text", _FRAME_CURE)
     relative = PurePosixPath(value)
+    if not relative.parts:
+        raise CaptureError(path, f"{name}: {value!r} names no file", _FRAME_CURE)
     if relative.is_absolute() or ".." in relative.parts or Path(value).is_absolute() or ":" in relative.parts[0]:
         raise CaptureError(path, f"{name}: {value!r} leaves the folder", "copy or link those files into it")
     return path.parent / relative

@@ -82,11 +82,11 @@ def read_geometry(content: bytes) -> FaceGeometry:
     """Reads MediaPipe's ``geometry_pipeline_metadata``. Raises ValueError when it is anything else."""
     vertex_buffer: list[NDArray[np.float32]] = []
     weights = np.zeros(VERTICES)
-    for number, value in fields(content):
+    for number, _, value in fields(content):
         if number == 1:  # canonical mesh: vertex type, primitive type, vertex buffer (x y z u v), index buffer
-            vertex_buffer += [np.frombuffer(message(v), "<f4") for n, v in fields(message(value)) if n == 3]
+            vertex_buffer += [np.frombuffer(message(v), "<f4") for n, _, v in fields(message(value)) if n == 3]
         elif number == 2:  # one landmark of the Procrustes basis: index (absent when 0), weight
-            entry = dict(fields(message(value)))
+            entry = {n: v for n, _, v in fields(message(value))}
             index = entry.get(1, 0)
             if not isinstance(index, int) or index >= VERTICES:
                 raise ValueError(f"face geometry: landmark {index!r} of the Procrustes basis does not exist")

@@ -7,12 +7,15 @@ is one row of numbers, [1, n]; so that is asked for, and n and the work are boun
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from math import prod
 
 from .protobuf import fields, message, packed, text
 
 MAX_WIDTH = 2**16
 """Numbers in a row: a regressor has 500."""
+MAX_NUMBERS = 2**22
+"""Numbers that all rows and what makes them have together: a regressor has 100,000."""
 MAX_WORK = 2**25
 """Products of numbers in one run: a regressor has 600,000."""
 MAX_WIDENED = 2**22
@@ -24,9 +27,10 @@ _PRODUCTS = frozenset("MatMul Gemm".split())
 OPERATORS = ROW_BY_ROW | _WITH_CONSTANTS | _PRODUCTS | {"Concat", "Cast"}
 """All operators that a graph may have."""
 _GRAPH_NODE, _GRAPH_INITIALIZER, _GRAPH_INPUT = 1, 5, 11
-_NODE_INPUT, _NODE_OUTPUT, _NODE_TYPE, _NODE_ATTRIBUTE = 1, 2, 4, 5
+_NODE_INPUT, _NODE_OUTPUT, _NODE_NAME, _NODE_TYPE, _NODE_ATTRIBUTE = 1, 2, 3, 4, 5
 _ATTRIBUTE_NAME, _ATTRIBUTE_INT = 1, 3
 _TENSOR_DIMS, _TENSOR_TYPE, _TENSOR_NAME, _VALUE_NAME = 1, 2, 8, 1
+_MAX_RANK = 8
 _FLOAT, _FLOAT16 = 1, 10
 """Of TensorProto.DataType."""
 
@@ -44,7 +48,7 @@ def check_rows(graph: memoryview, input_width: int) -> None:
     """Makes sure that every value is one row of at most MAX_WIDTH numbers, and all products at most MAX_WORK.
 
     Args:
-        graph: the GraphProto.
+        graph: the GraphProto, whose fields ``check_fields`` knows.
         input_width: how many numbers the widest input has.
 
     Raises ValueError saying which node is not so.
@@ -58,7 +62,7 @@ def check_rows(graph: memoryview, input_width: int) -> None:
     if inputs & set(constants):
         raise ValueError("its ONNX graph has an input that is a constant too")
     widths = dict.fromkeys(inputs, input_width)
-    work = widened = 0
+    work = widened = numbers = 0
     for node in _nodes(graph):
         where = f"its ONNX graph: {node.operator} of {', '.join(node.inputs)[:60]}"
         rows = [widths[name] for name in node.inputs if name in widths]
@@ -72,7 +76,7 @@ def check_rows(graph: memoryview, input_width: int) -> None:
             if rows or len(others) != 1 or node.inputs[0] not in halves or node.numbers.get("to") != _FLOAT:
                 raise ValueError(f"{where} is no constant of float16 made float32")
             widened += prod(others[0])
-            if min(others[0], default=0) < 0 or widened > MAX_WIDENED:
+            if widened > MAX_WIDENED:
                 raise ValueError(f"{where} is more than a regressor needs: {widened} numbers made float32")
             constants[node.outputs[0]] = others[0]
             continue
@@ -85,7 +89,8 @@ def check_rows(graph: memoryview, input_width: int) -> None:
             width = sum(rows)
         else:
             width = _row(node, rows, others, where)
-        if width > MAX_WIDTH or work > MAX_WORK:
+        numbers += width * (1 if node.operator == "Concat" else len(node.inputs))
+        if width > MAX_WIDTH or numbers > MAX_NUMBERS or work > MAX_WORK:
             raise ValueError(f"{where} is more than a regressor needs: {width} numbers, {work} products")
         widths[node.outputs[0]] = width
 
@@ -115,38 +120,39 @@ def _product(node: _Node, widths: dict[str, int], constants: dict[str, tuple[int
 def _constants(graph: memoryview) -> Iterator[tuple[str, tuple[int, ...], int]]:
     """Name, dimensions and type of every initialiser."""
     for name, tensor in _named(graph, _GRAPH_INITIALIZER, _TENSOR_NAME):
-        yield name, tuple(_integers(tensor, _TENSOR_DIMS)), next(_integers(tensor, _TENSOR_TYPE), 0)
+        dims = tuple(islice(_integers(tensor, _TENSOR_DIMS), _MAX_RANK + 1))
+        if len(dims) > _MAX_RANK or min(dims, default=0) < 0 or prod(dims) > len(tensor):
+            raise ValueError("its ONNX graph has a constant that claims more numbers than are in it")
+        yield name, dims, next(_integers(tensor, _TENSOR_TYPE), 0)
 
 
 def _nodes(graph: memoryview) -> Iterator[_Node]:
-    for number, value in fields(graph):
-        if number == _GRAPH_NODE:
-            node = message(value)
-            (operator,) = _texts(node, _NODE_TYPE) or [""]
-            if operator not in OPERATORS:
-                raise ValueError(f"its ONNX graph uses the operator {operator[:40]!r}, which is not allowed")
-            numbers = {}
-            for name, attribute in _named(node, _NODE_ATTRIBUTE, _ATTRIBUTE_NAME):
-                for whole in _integers(attribute, _ATTRIBUTE_INT):
-                    numbers[name] = whole
-            yield _Node(operator, tuple(_texts(node, _NODE_INPUT)), tuple(_texts(node, _NODE_OUTPUT)), numbers)
+    for _, node in _named(graph, _GRAPH_NODE, _NODE_NAME):
+        (operator,) = _texts(node, _NODE_TYPE) or [""]
+        if operator not in OPERATORS:
+            raise ValueError(f"its ONNX graph uses the operator {operator[:40]!r}, which is not allowed")
+        attributes = list(_named(node, _NODE_ATTRIBUTE, _ATTRIBUTE_NAME))
+        if len(dict(attributes)) < len(attributes):
+            raise ValueError(f"its ONNX graph has an attribute of {operator} twice")
+        numbers = {name: whole for name, attribute in attributes for whole in _integers(attribute, _ATTRIBUTE_INT)}
+        yield _Node(operator, tuple(_texts(node, _NODE_INPUT)), tuple(_texts(node, _NODE_OUTPUT)), numbers)
 
 
 def _named(content: memoryview, kind: int, name: int) -> Iterator[tuple[str, memoryview]]:
     """Every message in the field ``kind`` with its name, which is in the field ``name``."""
-    for number, value in fields(content):
+    for number, _, value in fields(content):
         if number == kind:
             inner = message(value)
             yield (_texts(inner, name) or [""])[-1], inner
 
 
 def _texts(content: memoryview, field: int) -> list[str]:
-    return [text(value) for number, value in fields(content) if number == field]
+    return [text(value) for number, _, value in fields(content) if number == field]
 
 
 def _integers(content: memoryview, field: int) -> Iterator[int]:
     """The int64s of a field, one by one or packed."""
-    for number, value in fields(content):
+    for number, _, value in fields(content):
         if number == field:
             numbers = [value] if isinstance(value, int) else packed(value)
             yield from (whole - 2**64 if whole >= 2**63 else whole for whole in numbers)

@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator
 
-_VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
+VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
+"""Wire types: how a field is written."""
+_MAX_TAG = 2**32 - 1
+"""Other readers cut larger ones off, and find a field of another number there."""
 
 
-def fields(message: bytes | memoryview) -> Iterator[tuple[int, int | memoryview]]:
-    """(field number, value) of each field in order: an int for varints, the bytes (no copy) for everything else.
+def fields(message: bytes | memoryview) -> Iterator[tuple[int, int, int | memoryview]]:
+    """(field number, wire type, value) of each field in order: an int for VARINT, the bytes (no copy) for all others.
 
     Raises ValueError when the message is truncated or not protobuf.
     """
@@ -14,29 +17,30 @@ def fields(message: bytes | memoryview) -> Iterator[tuple[int, int | memoryview]
     while at < len(view):
         tag, at = _varint(view, at)
         number, wire = tag >> 3, tag & 7
-        if wire == _VARINT:
+        if number == 0 or tag > _MAX_TAG:
+            raise ValueError(f"not a protobuf message: field {number} before byte {at}")
+        if wire == VARINT:
             value, at = _varint(view, at)
-            yield number, value
+            yield number, wire, value
             continue
-        if wire == _BYTES:
+        if wire == BYTES:
             size, at = _varint(view, at)
-        elif wire in (_FIXED32, _FIXED64):
-            size = 4 if wire == _FIXED32 else 8
+        elif wire in (FIXED32, FIXED64):
+            size = 4 if wire == FIXED32 else 8
         else:
             raise ValueError(f"not a protobuf message: wire type {wire} at byte {at}")
         if at + size > len(view):
             raise ValueError(f"a protobuf field ends {at + size - len(view)} bytes behind the message")
-        yield number, view[at : at + size]
+        yield number, wire, view[at : at + size]
         at += size
 
 
-def packed(content: memoryview) -> list[int]:
+def packed(content: memoryview) -> Iterator[int]:
     """The varints of a packed field. Raises ValueError when the last one is cut off."""
-    numbers, at = [], 0
+    at = 0
     while at < len(content):
         number, at = _varint(content, at)
-        numbers.append(number)
-    return numbers
+        yield number
 
 
 def text(value: int | memoryview) -> str:
@@ -63,4 +67,6 @@ def _varint(view: memoryview, at: int) -> tuple[int, int]:
         value |= (byte & 127) << shift
         at, shift = at + 1, shift + 7
         if byte < 128:
+            if value >= 2**64:
+                raise ValueError(f"a protobuf number has more than 64 bits before byte {at}")
             return value, at

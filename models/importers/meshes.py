@@ -1,5 +1,6 @@
 """A mesh in motion from files that nobody vouches for: numbered .npz or .obj, or one .npz with all frames."""
 
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +17,12 @@ CURE = "give .npz files with vertices [V, 3] and triangles [T, 3], or .obj files
 MAX_FRAMES = 5000
 MAX_VERTICES = 200_000
 MAX_TRIANGLES = 500_000
+MAX_NPZ_BYTES = 2**28
+"""Unpacked; FLAME's 5,023 vertices in 4,000 frames take 230 MiB."""
 MAX_OBJ_BYTES = 2**26
 """FLAME's 5,023 vertices take half a megabyte."""
+MAX_OBJ_LINES = 2**21
+"""Three a vertex and a triangle."""
 TEMPLATE = "template.npz"
 """Beside the meshes or a folder up: where the triangles are when the meshes do not repeat them."""
 _TRIANGLES = ("triangles", "faces")
@@ -92,7 +97,7 @@ def _files(place: Path) -> list[Path]:
 def _npz(path: Path) -> tuple[NDArray[np.float32], NDArray[np.int64] | None]:
     """Vertices [V, 3] or [F, V, 3], and the triangles where they are in it."""
     try:
-        arrays = load_arrays(path, ("vertices", *_TRIANGLES))
+        arrays = load_arrays(path, ("vertices", *_TRIANGLES), MAX_NPZ_BYTES)
     except (CaptureError, MemoryError) as error:
         what = error.what if isinstance(error, CaptureError) else "claims more than there is memory"
         raise ForeignFormatError(path, what, CURE) from error
@@ -118,19 +123,30 @@ def _template(first: Path) -> NDArray[np.int64]:
 
 
 def _obj(path: Path) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    vertices, triangles = array("d"), array("q")
     with opened(path, CURE) as (file, size):
         if size > MAX_OBJ_BYTES:
             raise ForeignFormatError(path, f"{size} bytes are more than the {MAX_OBJ_BYTES} of an .obj", CURE)
-        lines = file.read().split(b"\n")
-    try:
-        vertices = np.array([line.split()[1:4] for line in lines if line.startswith(b"v ")], np.float64)
-        corners = [line.split()[1:] for line in lines if line.startswith(b"f ")]
-        triangles = np.array([[int(word.split(b"/")[0]) for word in words] for words in corners], np.int64)
-    except (ValueError, OverflowError) as error:
-        raise ForeignFormatError(path, "is no .obj of triangles", CURE) from error
-    if triangles.ndim != 2 or triangles.shape[1] != 3:
-        raise ForeignFormatError(path, "has no faces, or such that are no triangles", CURE)
-    return _checked(path, vertices), triangles - 1
+        for number, line in enumerate(file):
+            if number == MAX_OBJ_LINES or len(vertices) > 3 * MAX_VERTICES or len(triangles) > 3 * MAX_TRIANGLES:
+                what = f"has more than {MAX_VERTICES} vertices, {MAX_TRIANGLES} triangles or {MAX_OBJ_LINES} lines"
+                raise ForeignFormatError(path, what, CURE)
+            if not line.startswith((b"v ", b"f ")):
+                continue
+            kind, *words = line.split(None, 4)
+            if len(words) < 3 or (kind == b"f" and len(words) > 3):
+                raise ForeignFormatError(path, f"has neither vertex nor triangle in line {number + 1}", CURE)
+            try:
+                if kind == b"v":
+                    vertices.extend(map(float, words[:3]))
+                else:
+                    triangles.extend([int(word.split(b"/", 1)[0]) for word in words])
+            except (ValueError, OverflowError) as error:
+                raise ForeignFormatError(path, f"has no numbers in line {number + 1}", CURE) from error
+    if not triangles:
+        raise ForeignFormatError(path, "has no faces", CURE)
+    corners = np.array(triangles, np.int64).reshape(-1, 3)
+    return _checked(path, np.array(vertices, np.float64).reshape(-1, 3)), corners - 1
 
 
 def _checked(path: Path, vertices: NDArray[np.generic]) -> NDArray[np.float32]:

@@ -107,7 +107,7 @@ def load(avatar: Avatar, weights: Mapping[str, Any], folder: Path) -> None:
     """Puts weights into an avatar. RunError where they are of another one: the capture's template was changed."""
     try:
         avatar.load_state_dict(weights)
-    except (RuntimeError, TypeError) as error:
+    except (RuntimeError, TypeError, AttributeError) as error:
         what = "does not fit its capture's template, which must have changed"
         raise RunError(folder / CHECKPOINT, what, "train again into another folder") from error
 
@@ -158,10 +158,17 @@ def read_checkpoint(folder: Path) -> dict[str, Any] | None:
         return None
     try:
         state = torch.load(path, map_location="cpu", weights_only=True)
-        return {**state, "step": int(state["step"]), "avatar": dict(state["avatar"])}
+        if (step := int(state["step"])) < 0:
+            raise ValueError(f"step {step}")
+        return {**state, "step": step, "avatar": dict(state["avatar"])}
     except Exception as error:  # torch names many, and a broken archive has its own
-        cure = f"delete {CHECKPOINT} to begin anew"
-        raise RunError(path, f"is broken ({type(error).__name__})", cure) from error
+        raise broken(folder, error) from error
+
+
+def broken(folder: Path, error: Exception) -> RunError:
+    """What to say where a checkpoint holds something else than it should."""
+    cure = f"delete {CHECKPOINT} to begin anew"
+    return RunError(folder / CHECKPOINT, f"is broken ({type(error).__name__})", cure)
 
 
 def begin_run(folder: Path, config: Config) -> Config:

@@ -36,6 +36,7 @@ from .runs import (
     Config,
     RunError,
     begin_run,
+    broken,
     default_device,
     load,
     read_checkpoint,
@@ -152,9 +153,15 @@ class Trainer:
             self._keep()
             return
         self._load(state)
-        self.step, self._rows = int(state["step"]), state["rows"].tolist()
-        self.skipped, self.restored, self._stumbles, self._returns = (int(x) for x in state["faults"])
-        self._pace = float(state.get("pace", 1.0))
+        try:
+            self.step = int(state["step"])
+            self._rows = state["rows"].double().reshape(self.step, len(TERMS) + 2).tolist()
+            faults = self.skipped, self.restored, self._stumbles, self._returns = [int(x) for x in state["faults"]]
+            self._pace = float(state.get("pace", 1.0))
+            if min(faults) < 0 or not 0 < self._pace <= 1:
+                raise ValueError(f"faults {faults}, pace {self._pace}")
+        except (KeyError, TypeError, AttributeError, ValueError, RuntimeError, OverflowError) as error:
+            raise broken(self.folder, error) from error
 
     def run(self, progress: Progress) -> Outcome:
         """All steps that are left; then the folder holds everything."""
@@ -245,10 +252,16 @@ class Trainer:
     def _load(self, state: dict[str, Any]) -> None:
         load(self.avatar, state["avatar"], self.folder)
         try:
-            self._optimizer.load_state_dict(state["optimizer"])
-        except ValueError as error:
-            cure = f"delete {CHECKPOINT} to begin anew"
-            raise RunError(self.folder / CHECKPOINT, f"does not fit ({error})", cure) from error
+            groups = self._optimizer.state_dict()["param_groups"]
+            self._optimizer.load_state_dict({"state": state["optimizer"]["state"], "param_groups": groups})
+            for parameter, kept in self._optimizer.state.items():
+                for moment in (kept["exp_avg"], kept["exp_avg_sq"]):
+                    if moment.shape != parameter.shape or moment.dtype != parameter.dtype:
+                        raise ValueError("a moment is of another tensor")
+                if kept["step"].shape or not float(kept["step"]) >= 1:
+                    raise ValueError("a moment is of no step")
+        except (KeyError, TypeError, AttributeError, ValueError, RuntimeError) as error:
+            raise broken(self.folder, error) from error
 
     def _keep_to_what_is_good(self) -> None:
         """Writes the checkpoint; where training has gone astray, the weights of the last one are gone on with."""

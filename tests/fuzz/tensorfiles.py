@@ -25,6 +25,7 @@ class TensorFile:
     def packed(self) -> bytes:
         """The file; nothing is checked."""
         text = text_of({"__metadata__": self.metadata, **self.header} if isinstance(self.header, dict) else self.header)
+        text += b" " * (-len(text) % 8)  # as avatars have it; others may
         return len(text).to_bytes(8, "little") + text + self.payload
 
 

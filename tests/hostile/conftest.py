@@ -33,7 +33,8 @@ class Parts:
 
 
 def framed(header: bytes, payload: bytes = b"") -> bytes:
-    """Any bytes behind an honest length."""
+    """Any bytes behind an honest length, which is a multiple of 8."""
+    header += b" " * (-len(header) % 8)
     return len(header).to_bytes(8, "little") + header + payload
 
 

@@ -3,9 +3,11 @@
 import io
 import json
 import os
+import struct
 import time
 import tracemalloc
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ import numpy.lib.format as npy
 import pytest
 from gemheads.models.captures.arrays import load_arrays
 from gemheads.models.captures.layout import CaptureError
+from gemheads.models.captures.meshes import read_template
+from gemheads.models.captures.pictures import picture_size, read_pixels
 from gemheads.models.captures.transforms import read_transforms
 
 FRAME = {
@@ -56,11 +60,57 @@ def test_a_path_out_of_the_folder(tmp_path: Path, key: str, out: str) -> None:
     refused(lambda: read_transforms(path), "leaves the folder")
 
 
+@pytest.mark.parametrize("key", ["file_path", "fg_mask_path", "mesh_path"])
+@pytest.mark.parametrize("place", [".", "./", "./."])
+def test_a_path_that_is_the_folder(tmp_path: Path, key: str, place: str) -> None:
+    path = listed(tmp_path, **{key: place})
+    refused(lambda: read_transforms(path), "names no file")
+
+
 @pytest.mark.parametrize("text", ["[" * 200_000, '{"frames":' * 20_000, '{"frames": [' + "9" * 5000 + "]}"])
 def test_json_without_end(tmp_path: Path, text: str) -> None:
     path = tmp_path / "transforms_train.json"
     path.write_text(text)
     refused(lambda: read_transforms(path), "nested too deeply|is no JSON|no object")
+
+
+def png(width: int, height: int, *, claimed: int = 0) -> bytes:
+    """A black picture, whose pixels claim to take so many bytes more than they do."""
+    packed = zlib.compress(bytes(min(height, 16) * (1 + 3 * width)))
+    pixels = chunk(b"IDAT", packed)
+    body = (len(packed) + claimed).to_bytes(4, "big") + pixels[4:]
+    shape = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", shape) + body + chunk(b"IEND", b"")
+
+
+def chunk(kind: bytes, content: bytes) -> bytes:
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+
+@pytest.mark.parametrize("claimed", [2**31 - 1000, 1])
+def test_a_picture_that_claims_two_gigabytes(tmp_path: Path, claimed: int) -> None:
+    (tmp_path / "sound.png").write_bytes(png(16, 16))
+    assert not read_pixels(tmp_path / "sound.png", 16, 16).any()
+    (tmp_path / "0.png").write_bytes(png(16, 16, claimed=claimed))
+    refused(lambda: read_pixels(tmp_path / "0.png", 16, 16), "is broken")
+
+
+def test_a_picture_of_more_pixels_than_are_decoded(tmp_path: Path) -> None:
+    (tmp_path / "0.png").write_bytes(png(9000, 9000))
+    refused(lambda: read_pixels(tmp_path / "0.png", 9000, 9000), "is broken")
+
+
+def test_a_photograph_of_nothing_but_marks(tmp_path: Path) -> None:
+    (tmp_path / "0.jpg").write_bytes(b"\xff\xd8" + b"\xff\xe0\0\2" * 2**22)
+    refused(lambda: picture_size(tmp_path / "0.jpg"), "neither PNG nor JPEG")
+
+
+def test_a_picture_that_is_a_pipe(tmp_path: Path) -> None:
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("there are no pipes in folders here")
+    os.mkfifo(tmp_path / "0.png")
+    refused(lambda: picture_size(tmp_path / "0.png"), "no ordinary file")
+    refused(lambda: read_pixels(tmp_path / "0.png", 16, 16), "no ordinary file")
 
 
 def test_a_name_as_long_as_a_book(tmp_path: Path) -> None:
@@ -90,13 +140,51 @@ def header(shape: tuple[int, ...], descr: object = "<f4") -> bytes:
         (bytes(2**22), "unpacks to 4 MiB"),
     ],
 )
-def test_arrays_that_lie(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes, said: str) -> None:
-    monkeypatch.setattr("gemheads.models.captures.arrays.MAX_BYTES", 2**20)  # so that a bomb is quickly made
+def test_arrays_that_lie(tmp_path: Path, content: bytes, said: str) -> None:
     path = tmp_path / "template.npz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as packed:
         packed.writestr("vertices.npy", content)
     assert os.path.getsize(path) < 2**16
-    refused(lambda: load_arrays(path, ("vertices",)), said)
+    refused(lambda: load_arrays(path, ("vertices",), 2**20), said)
+
+
+def test_arrays_that_are_too_much_together(tmp_path: Path) -> None:
+    names = ("vertices", "triangles", "uv", "uv_triangles", "neck_weights", "neck_pivot", "parts", "part_names")
+    path = tmp_path / "template.npz"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as packed:
+        for name in names:
+            packed.writestr(f"{name}.npy", header((2**21,)) + bytes(2**23 + 2**19))
+    refused(lambda: read_template(path), "unpacks to 68 MiB")
+
+
+def test_an_archive_of_a_hundred_thousand_files(tmp_path: Path) -> None:
+    path = tmp_path / "template.npz"
+    np.savez(path, vertices=np.zeros((3, 3), np.float32))
+    sound = path.read_bytes()
+    end = sound[-22:]
+    start = int.from_bytes(end[16:20], "little")
+    listed = sound[start:-22] * 100_000
+    path.write_bytes(sound[:start] + listed + end[:12] + len(listed).to_bytes(4, "little") + end[16:])
+    refused(lambda: load_arrays(path, ("vertices",)), "an archive of more than arrays")
+    large_end = b"PK\6\7" + bytes(16)
+    path.write_bytes(sound[:-22] + large_end + end)
+    refused(lambda: load_arrays(path, ("vertices",)), "an archive of more than arrays")
+
+
+@pytest.mark.parametrize("packing", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_an_archive_that_is_packed_in_ways_that_ask_for_memory(tmp_path: Path, packing: int) -> None:
+    path = tmp_path / "template.npz"
+    with zipfile.ZipFile(path, "w", packing) as packed:
+        packed.writestr("vertices.npy", header((4,)) + bytes(16))
+    refused(lambda: load_arrays(path, ("vertices",)), "packed otherwise")
+
+
+def test_a_million_names_of_parts(tmp_path: Path) -> None:
+    path = tmp_path / "template.npz"
+    corners, places = np.zeros((1, 3), np.int32), np.eye(3, dtype=np.float32)
+    mesh = {"triangles": corners, "uv": places[:, :2], "uv_triangles": corners, "vertices": places}
+    np.savez_compressed(path, part_names=np.zeros(10**6, "S1"), **mesh)
+    refused(lambda: read_template(path), "part_names")
 
 
 def test_a_pickle_is_not_unpickled(tmp_path: Path) -> None:

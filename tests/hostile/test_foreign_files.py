@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from gemheads.models.importers.foreign import ForeignFormatError
 from gemheads.models.importers.lam import load_lam
+from gemheads.models.importers.meshes import open_meshes
 from gemheads.models.importers.splatply import read_splats
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -199,3 +200,17 @@ def test_any_bytes_open_or_are_refused(
     folder = lam.write(tmp_path_factory.mktemp("fuzzed"), bytes(content))
     with suppress(ForeignFormatError):
         load_lam(folder)
+
+
+@pytest.mark.parametrize("line", ["v 0 0 0\n", "f 1 1 1\n", "\n"], ids=["vertices", "triangles", "nothing"])
+def test_a_mesh_of_lines_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
+    for name in ("VERTICES", "TRIANGLES", "OBJ_LINES"):
+        monkeypatch.setattr(f"gemheads.models.importers.meshes.MAX_{name}", 10_000)
+    (tmp_path / "0.obj").write_text("v 0 0 0\n" * 3 + line * 1_000_000)
+    refused(lambda: open_meshes(tmp_path), "more than 10000 vertices, 10000 triangles or 10000 lines")
+
+
+@pytest.mark.parametrize("kind", ["v", "f"])
+def test_a_mesh_of_one_endless_line(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "0.obj").write_text(f"v 0 0 0\n{kind} " + "1 " * 2_000_000)
+    refused(lambda: open_meshes(tmp_path), "no faces|neither vertex nor triangle in line 2")

@@ -82,6 +82,12 @@ class TestHeader:
     def test_longer_than_the_file(self, refused: Refused) -> None:
         refused((2**16).to_bytes(8, "little") + b"{}", "cut off")
 
+    @pytest.mark.parametrize("more", [1, 3, 4])
+    def test_of_a_length_that_is_no_multiple_of_eight(self, refused: Refused, sound: bytes, more: int) -> None:
+        length = int.from_bytes(sound[:8], "little")
+        header = sound[8 : 8 + length] + b" " * more
+        refused(len(header).to_bytes(8, "little") + header + sound[8 + length :], "is no multiple of 8")
+
     def test_longer_than_any_memory(self, refused: Refused) -> None:
         refused((2**63).to_bytes(8, "little") + b"{}", "does not start with a safetensors header")
 
@@ -141,6 +147,15 @@ class TestPlaces:
     def test_overlapping(self, refused: Refused, parts: Pieces) -> None:
         parts.header["position.scale"]["data_offsets"] = parts.header["position.sigma"]["data_offsets"]
         refused(parts.pack(), "of the payload instead of")
+
+    def test_narrow_types_before_wide_ones(self, refused: Refused, parts: Pieces) -> None:
+        turned, payload = {}, bytearray()
+        for name, entry in reversed(parts.header.items()):
+            piece = parts.payload[parts.place(name)]
+            turned[name] = {**entry, "data_offsets": [len(payload), len(payload) + len(piece)]}
+            payload += piece
+        parts.header, parts.payload = turned, payload
+        refused(parts.pack(), "lies behind one of a narrower type")
 
     def test_a_hidden_gap(self, refused: Refused, parts: Pieces) -> None:
         for entry in parts.header.values():

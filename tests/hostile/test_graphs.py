@@ -9,6 +9,7 @@ import numpy as np
 import onnx
 import pytest
 from gemheads.models.driver.features import DIMENSION
+from gemheads.models.driver.networks import NetworkError, open_session
 from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT, Regressor, RegressorError
 from onnx import TensorProto, helper, numpy_helper
 
@@ -43,10 +44,11 @@ def model(
     return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
 
 
-def refused(bomb: onnx.ModelProto, said: str) -> None:
+def refused(bomb: onnx.ModelProto | bytes, said: str) -> None:
+    content = bomb if isinstance(bomb, bytes) else bomb.SerializeToString()
     began, before = time.process_time(), resident()
     with pytest.raises(RegressorError, match=said) as caught:
-        Regressor(bomb.SerializeToString(), 7)
+        Regressor(content, 7)
     assert time.process_time() - began < 2
     assert resident() - before < 2**26
     assert len(str(caught.value)) < 500
@@ -56,6 +58,23 @@ def refused(bomb: onnx.ModelProto, said: str) -> None:
 def resident() -> int:
     """Bytes at the peak."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def varint(number: int) -> bytes:
+    return bytes([number & 127 | 128]) + varint(number >> 7) if number > 127 else bytes([number])
+
+
+def record(number: int, content: bytes, beyond: int = 0) -> bytes:
+    """A field of bytes, whose tag has more than the 32 bits that onnxruntime looks at where ``beyond`` is not 0."""
+    return varint(number << 3 | 2 | beyond) + varint(len(content)) + content
+
+
+def by_hand(more: bytes, of_model: bytes = b"") -> bytes:
+    """A harmless graph with more fields behind its own."""
+    whole = model(identity())
+    graph = whole.graph.SerializeToString()
+    whole.ClearField("graph")
+    return whole.SerializeToString() + record(7, graph + more) + of_model
 
 
 def identity() -> list[onnx.NodeProto]:
@@ -132,6 +151,24 @@ def test_two_constants_of_one_name() -> None:
     refused(doubled, "two constants of one name")
 
 
+def test_more_numbers_than_all_rows_of_a_regressor_have() -> None:
+    widened = [
+        helper.make_node("Slice", [FEATURES_INPUT, "first", "across", "across"], ["one"]),
+        helper.make_node("Add", ["wide", "one"], ["row"]),
+    ]
+    wide = {"wide": np.zeros((1, 2**16), np.float32)}
+    kept = [helper.make_node("Neg", [f"n{i}" if i else "row"], [f"n{i + 1}"]) for i in range(70)]
+    for nodes in (kept, [helper.make_node("Max", ["row"] * 70, ["answer"])]):
+        refused(model([*widened, *nodes], wide), "more than a regressor needs")
+
+
+@pytest.mark.parametrize("dims", [[2**30, 1], [2**62, 2**62], [-1, -1], [1] * 9, [2**62] * 10**6])
+def test_a_constant_that_is_smaller_than_it_claims(dims: list[int]) -> None:
+    lying = model(identity())
+    lying.graph.initializer.append(TensorProto(name="large", data_type=TensorProto.FLOAT, dims=dims))
+    refused(lying, "more numbers than are in it|more than a regressor needs")
+
+
 def test_a_matrix_of_float16_works_like_one_of_float32() -> None:
     nodes = [
         helper.make_node("Cast", ["half"], ["matrix"], to=TensorProto.FLOAT),
@@ -183,10 +220,80 @@ def test_a_sparse_constant_of_gigabytes() -> None:
 def test_graphs_within_operators_and_functions() -> None:
     inner = helper.make_graph(identity(), "inner", [], [])
     refused(model([helper.make_node("Neg", [FEATURES_INPUT], ["answer"], body=inner)]), "graphs inside operators")
-    refused(model([helper.make_node("Loop", [], ["answer"], body=inner)]), "'Loop', which is not allowed")
+    refused(model([helper.make_node("Loop", [], ["answer"])]), "'Loop', which is not allowed")
     called = model(identity())
     called.functions.append(helper.make_function("ai.onnx", "Add", [], [], identity(), [helper.make_opsetid("", 17)]))
     refused(called, "functions of its own")
+
+
+def test_fields_by_hand_are_read_as_they_are_by_the_library() -> None:
+    node = helper.make_node("Gemm", [FEATURES_INPUT, "square"], ["more"], transA=0).SerializeToString()
+    square = numpy_helper.from_array(np.zeros((DIMENSION, 1), np.float32), "square").SerializeToString()
+    Regressor(by_hand(record(1, node) + record(5, square)), 7)
+
+
+@pytest.mark.parametrize("beyond", [2**32, 2**35, 2**63, 2**64])
+def test_fields_that_only_onnxruntime_finds(beyond: int) -> None:
+    """It takes 32 bits of a tag, so a number too large to be any field's is that of one that is there."""
+    node = helper.make_node("Sin", [FEATURES_INPUT], ["more"]).SerializeToString()
+    refused(by_hand(record(1, node, beyond)), "not a protobuf message|more than 64 bits|cut off")
+
+
+def attribute(*parts: bytes) -> bytes:
+    """Such a node, with an attribute transA of these parts."""
+    node = helper.make_node("Gemm", [FEATURES_INPUT, "turn"], ["more"]).SerializeToString()
+    return record(1, node + record(5, record(1, b"transA") + b"".join(parts) + b"\xa0\x01\x02"))
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (attribute(b"\x18\x01", record(3, b"\0")), "twice, or as something else"),
+        (attribute(b"\x18\x01", b"\x18\x00"), "twice, or as something else"),
+        (attribute(b"\x1d\0\0\0\0"), "twice, or as something else"),
+        (attribute(record(8, b"\0") * 2, b"\x1b\x1c"), "not a protobuf message: wire type 3"),
+        (attribute(b"\x18" + b"\xff" * 9 + b"\x03"), "more than 64 bits"),
+        (attribute(record(21, b"outer")), "the field 21 of AttributeProto, which no"),
+        (record(1, record(4, b"Neg") + record(4, b"Sin")), "twice, or as something else"),
+        (record(5, b"\x10" + varint(2**32 + TensorProto.FLOAT16)), "the field 2 of TensorProto, which no"),
+        (record(5, b"\x70\x01"), "data outside of itself"),
+        (record(15, b""), "sparse tensors"),
+        (record(0, b""), "not a protobuf message"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_what_two_readers_understand_differently(more: bytes, said: str) -> None:
+    refused(by_hand(more), said)
+
+
+def test_an_attribute_that_stands_twice() -> None:
+    node = helper.make_node("Concat", [FEATURES_INPUT], ["more"], axis=0)
+    node.attribute.append(helper.make_attribute("axis", 1))
+    refused(model([*identity(), node]), "attribute of Concat twice")
+
+
+def test_a_second_graph_that_is_joined_to_the_first() -> None:
+    node = helper.make_node("Sin", [FEATURES_INPUT], ["more"]).SerializeToString()
+    refused(by_hand(b"", record(7, record(1, node))), "twice, or as something else")
+    refused(by_hand(b"", record(20, b"")), "the field 20 of ModelProto, which no regressor needs")
+
+
+@pytest.mark.parametrize("number", [1, 5, 11, 13])
+def test_a_million_empty_fields(number: int) -> None:
+    """Of two bytes each onnxruntime makes hundreds."""
+    refused(by_hand(record(number, b"") * 10**6), "more than a regressor needs")
+
+
+def test_a_million_numbers_and_sides_of_a_byte_each() -> None:
+    refused(by_hand(record(5, record(7, bytes(10**6)))), "more than a regressor needs")
+    sides = record(2, record(1, record(2, record(1, b"") * 10**6)))
+    refused(by_hand(record(13, sides)), "more than a regressor needs")
+
+
+def test_a_model_in_the_format_of_onnxruntime_itself() -> None:
+    """Its mark is looked for in the fifth byte, whatever else the bytes are."""
+    with pytest.raises(NetworkError, match="protobuf"):
+        open_session(b"\x10\0\0\0ORTM" + bytes(64), "it")
 
 
 @pytest.mark.parametrize("location", ["/etc/passwd", "../../secret", "/dev/zero"])
@@ -196,7 +303,7 @@ def test_data_outside_of_the_file(location: str) -> None:
     among_constants = model(identity())
     among_constants.graph.initializer.append(outside)
     refused(among_constants, "data outside of itself")
-    refused(model([helper.make_node("Neg", [FEATURES_INPUT], ["answer"], value=outside)]), "data outside of itself")
+    refused(model([helper.make_node("Neg", [FEATURES_INPUT], ["answer"], value=outside)]), "tensors inside operators")
 
 
 def test_a_graph_larger_than_any_regressor(tmp_path: Path) -> None:

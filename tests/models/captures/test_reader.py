@@ -1,6 +1,7 @@
 """Captures: written and read back, and every fault named with its file before anything starts."""
 
 import json
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -181,6 +182,7 @@ def _text(name: str, text: str) -> Callable[[Path], None]:
 SCALED = (np.diag([2.0, 2, 2, 1])).tolist()
 MIRROR = (np.diag([-1.0, 1, 1, 1])).tolist()
 NAN = np.full((36, 3), 0, np.float32) + np.where(np.arange(36) == 7, np.nan, 0)[:, None].astype(np.float32)
+HUGE_HEAD = b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sIIBB", 13, b"IHDR", 9000, 9000, 8, 2)
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     "no list of pictures": (lambda f: (f / "transforms_train.json").unlink(), "transforms_train.json: is missing"),
     "missing picture": (lambda f: (f / "images/00001_00.png").unlink(), "images/00001_00.png: is missing"),
@@ -189,6 +191,10 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     "wrong mask": (
         lambda f: (f / "fg_masks/00003_01.png").write_bytes(png_bytes(np.zeros((3, 4), np.uint8))) and None,
         "fg_masks/00003_01.png: is 4x3",
+    ),
+    "more pixels than are read": (
+        lambda f: (f / "images/00001_00.png").write_bytes(HUGE_HEAD) and None,
+        "images/00001_00.png: is 9000x9000, more than",
     ),
     "no picture": (_text("images/00000_00.png", "hello"), "images/00000_00.png: is neither PNG nor JPEG"),
     "no intrinsics": (_frame({"fl_x": None, "cy": None}), r"frame 1 \(00001_00.png\) has a camera without fl_x, cy"),

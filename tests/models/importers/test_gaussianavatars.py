@@ -160,7 +160,7 @@ HOSTILE: dict[str, tuple[Callable[[Path], object], str]] = {
         "none of its 100 vertices",
     ),
     "another mesh later": (lambda at: np.savez(at / "meshes" / "1.npz", vertices=mesh()[:50]), "50x3"),
-    "an .obj of quads": (lambda at: (at / "meshes" / "0.npz").rename(at / "x") and quad(at), "no triangles"),
+    "an .obj of quads": (lambda at: (at / "meshes" / "0.npz").rename(at / "x") and quad(at), "nor triangle in line 5"),
     "bound beyond": (lambda at: write_ply(at / "point_cloud.ply", binding_0=162), "among the 162 triangles"),
     "bound below": (lambda at: write_ply(at / "point_cloud.ply", binding_0=-1), "among the 162 triangles"),
     "bound between": (lambda at: write_ply(at / "point_cloud.ply", binding_0=0.5), "among the 162 triangles"),

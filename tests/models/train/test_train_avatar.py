@@ -5,8 +5,10 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -213,6 +215,52 @@ def test_faults_of_a_folder_are_named(trained: Path, tmp_path: Path) -> None:
     (tmp_path / "config.json").write_text('{"version": 1, "plan": []}')
     with pytest.raises(RunError, match="cannot be understood"):
         open_run(tmp_path)
+
+
+def moments_of_something_else(state: dict[str, Any]) -> None:
+    state["optimizer"]["state"][0]["exp_avg"] = torch.zeros(3)
+
+
+def moments_of_nobody(state: dict[str, Any]) -> None:
+    state["optimizer"]["state"][1000] = state["optimizer"]["state"][0]
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        *(lambda state, key=key: state.pop(key) for key in ("step", "avatar", "optimizer", "rows", "faults")),
+        lambda state: state.update(step=-5),
+        lambda state: state.update(step=3),
+        lambda state: state.update(optimizer={}),
+        lambda state: state.update(optimizer=[]),
+        lambda state: state["optimizer"].update(state={0: {}}),
+        moments_of_something_else,
+        moments_of_nobody,
+        lambda state: state.update(rows=torch.zeros(3)),
+        lambda state: state.update(rows=[[0.0]]),
+        lambda state: state.update(faults=[1]),
+        lambda state: state.update(faults=[0, 0, -1, 0]),
+        lambda state: state.update(pace=float("nan")),
+        lambda state: state.update(pace={}),
+    ],
+)
+def test_a_damaged_checkpoint_is_named(
+    capture: Capture, trained: Path, tmp_path: Path, spoil: Callable[[dict[str, Any]], object]
+) -> None:
+    (tmp_path / "config.json").write_bytes((trained / "config.json").read_bytes())
+    state = read_checkpoint(trained)
+    assert state is not None
+    spoil(state)
+    torch.save(state, tmp_path / CHECKPOINT)
+    with pytest.raises(RunError, match=f"{CHECKPOINT}: is broken .*; delete"):
+        train_avatar(capture, tmp_path, BRIEF)
+
+
+def test_weights_of_no_name_are_named(capture: Capture, trained: Path, tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_bytes((trained / "config.json").read_bytes())
+    torch.save({"step": 1, "avatar": {1: torch.zeros(3)}}, tmp_path / CHECKPOINT)
+    with pytest.raises(RunError, match="does not fit"):
+        train_avatar(capture, tmp_path, BRIEF)
 
 
 def test_every_moment_is_dealt_once_before_one_comes_again(capture: Capture) -> None:
