@@ -26,6 +26,11 @@ class NeutralRule:
     sheet: Path | None = None
     """Where ``auto`` puts a contact sheet (PNG) of what it chose from: it shows the driver's face."""
 
+    @property
+    def picture(self) -> Path | None:
+        """The one that it is read from, if it is."""
+        return Path(self.value) if self.kind == "image" else None
+
 
 AUTO = NeutralRule("auto")
 

@@ -1,10 +1,12 @@
 """What results are called, and whether they may be written there."""
 
+import itertools
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from .errors import OutputError, UsageError
-from .sinks import VIDEO_SUFFIXES
+from .sinks import FRAME_NAME, VIDEO_SUFFIXES, partial_name
 
 
 def plan_outputs(drivers: list[str], out: str, transparent: bool) -> list[tuple[str, Path]]:
@@ -26,18 +28,48 @@ def plan_outputs(drivers: list[str], out: str, transparent: bool) -> list[tuple[
     else:
         if path.suffix.lower() in VIDEO_SUFFIXES or path.is_file():
             raise UsageError(f"-o {out}: with {len(drivers)} drivers the result is a folder; name one")
-        results = [path / _distinct(drivers, i, "" if transparent else ".mp4") for i in range(len(drivers))]
-    for driver, result in zip(drivers, results, strict=True):
-        if Path(driver).exists() and result.exists() and Path(driver).samefile(result):
-            raise UsageError(f"-o {out}: would overwrite the driver {driver}; choose another name")
+        results = [path / name for name in _distinct(drivers, "" if transparent else ".mp4")]
     return list(zip(drivers, results, strict=True))
 
 
-def _distinct(drivers: list[str], index: int, suffix: str) -> str:
-    """The driver's name, numbered when an earlier driver has the same."""
-    stems = [Path(driver.rstrip("/\\")).stem for driver in drivers[: index + 1]]
-    again = stems[:-1].count(stems[-1])
-    return f"{stems[-1]}-{again + 1}{suffix}" if again else f"{stems[-1]}{suffix}"
+def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> None:
+    """Sees that nothing which is read is written over by results, under their own or their unfinished name.
+
+    Args:
+        outs: files, or folders that PNGs go into; None is a result that nobody wants.
+        inputs: files and folders that are read; None likewise.
+
+    Raises:
+        UsageError: naming both.
+    """
+    known = {_identity(file): file for file in filter(None, inputs) if file.exists()}
+    frames = [file for file in known.values() if FRAME_NAME.fullmatch(file.name)]
+    for out in filter(None, outs):
+        written = [name for name in (out, partial_name(out)) if name.exists()]
+        read = [known[one] for one in map(_identity, written) if one in known]
+        if out.is_dir():
+            read += [file for file in frames if file.parent.samefile(out)]
+        if read:
+            raise UsageError(f"{out}: would be written over {read[0]}, which is read; choose another name")
+
+
+def _identity(file: Path) -> tuple[int, int]:
+    """The same for all names of one file."""
+    status = file.stat()
+    return status.st_dev, status.st_ino
+
+
+def _distinct(drivers: list[str], suffix: str) -> list[str]:
+    """The drivers' names, numbered where they meet; capitals alone keep none apart on every disk."""
+    names: list[str] = []
+    taken: set[str] = set()
+    for driver in drivers:
+        stem = Path(driver.rstrip("/\\")).stem
+        tries = (stem if number == 1 else f"{stem}-{number}" for number in itertools.count(1))
+        name = next(name for name in tries if name.casefold() not in taken)
+        taken.add(name.casefold())
+        names.append(f"{name}{suffix}")
+    return names
 
 
 def is_video(path: Path) -> bool:

@@ -21,13 +21,13 @@ from .frames import Frame
 from .live import Image, Stage, perform, run_offline
 from .neutrals import AUTO, NeutralRule, find_neutral, said
 from .origin import origin_of
-from .outputs import is_video, plan_outputs
+from .outputs import is_video, keep_inputs, plan_outputs
 from .performance import Pose
 from .portrait import portrait
 from .progress import ProgressBar
 from .reports import Outcome, Tally, write_report
 from .sinks import FolderSink, Sink, VideoSink, is_whole, video_codec
-from .sources import Source, open_source
+from .sources import Source, files_of, open_source
 from .threads import ahead
 from .timing import Stopwatch
 from .tracks import Track, load_track
@@ -85,6 +85,11 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     for _, result in jobs:
         if is_video(result):
             video_codec(result.suffix.lower(), wish.background is None)
+    sheets = [_with_sheet(wish.neutral, result, len(jobs)).sheet for _, result in jobs]
+    keep_inputs(
+        [*(result for _, result in jobs), *sheets, report],
+        [*(file for driver in drivers for file in files_of(driver)), wish.neutral.picture, wish.avatar, wish.track],
+    )
     outcomes: list[Outcome] = []
     code = ExitCode.OK
     with ProgressBar(quiet) as bar:
@@ -128,7 +133,7 @@ def _with_sheet(rule: NeutralRule, result: Path, drivers: int) -> NeutralRule:
     """With several drivers the contact sheets go to a folder, each named like its result."""
     if rule.sheet is None or drivers == 1:
         return rule
-    return replace(rule, sheet=rule.sheet / f"{result.stem}.png")
+    return replace(rule, sheet=rule.sheet / f"{result.stem if is_video(result) else result.name}.png")
 
 
 def _outcome_of(

@@ -1,7 +1,9 @@
 """Results: video files and folders of PNGs, which carry a partial name until they are whole."""
 
 import errno
+import io
 import os
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
@@ -12,12 +14,15 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.mediafile import open_media
 from ..models.wholefile import settle, write_whole
 from .audio import AudioCopy
 from .errors import OutputError, UsageError
 
 Image = NDArray[np.uint8]
 VIDEO_SUFFIXES = (".mp4", ".mov", ".webm")
+FRAME_NAME = re.compile(r"frame_\d{6,}\.png")
+"""Of the pictures in a folder of results."""
 _ALPHA_CODECS = {".mov": ("prores_ks", "yuva444p10le"), ".webm": ("libvpx-vp9", "yuva420p")}
 _OPTIONS = {
     # No B-frames: every packet leaves in the order it is shown, so a killed run loses at most one fragment.
@@ -79,12 +84,12 @@ class VideoSink:
         """``audio`` names a file whose first sound track is copied beside the pictures, or adds a track of its own to
         the opened container. Raises OutputError."""
         self.path, self.partial = path, partial_name(path)
-        codec, pixels = video_codec(path.suffix.lower(), transparent)
-        with _told(self.partial, 0):
+        suffix = path.suffix.lower()
+        codec, pixels = video_codec(suffix, transparent)
+        with _told(self.partial):
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._container = av.open(
-                str(self.partial), "w", options=_container_options(path.suffix.lower(), time_base)
-            )
+            self._file = _WatchedFile(self.partial)
+            self._container = av.open(self._file, "w", format=suffix[1:], options=_container_options(suffix, time_base))
             stream: Any = self._container.add_stream(codec, rate=rate, options=_OPTIONS.get(codec, {}))
         stream.width, stream.height, stream.pix_fmt = *size, pixels
         stream.time_base = stream.codec_context.time_base = time_base
@@ -103,16 +108,17 @@ class VideoSink:
         """Encode one picture and the sound up to it."""
         frame = av.VideoFrame.from_ndarray(image, format="rgba" if image.shape[2] == 4 else "rgb24")
         frame.pts, frame.time_base = pts, self._time_base
-        with _told(self.partial, self._count):
+        with _told(self.partial):
             for packet in self._stream.encode(frame):
                 self._container.mux(packet)
             if self._audio:
                 self._audio.copy_until(float(pts * self._time_base))
+            self._file.check()
         self._count += 1
 
     def close(self, whole: bool) -> None:
         """Flush. Sound beyond the last picture is copied only when the result is whole."""
-        with _told(self.partial, self._count):
+        with _told(self.partial):
             try:
                 if self._count:
                     for packet in self._stream.encode():
@@ -120,10 +126,38 @@ class VideoSink:
                 if self._audio:
                     self._audio.close(whole)
             finally:
-                self._container.close()
+                try:
+                    self._container.close()
+                finally:
+                    self._file.close()
+            self._file.check()
             if whole:
                 settle(self.partial)
                 self.partial.replace(self.path)
+
+
+class _WatchedFile(io.FileIO):
+    """Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "w")
+        self._trouble: OSError | None = None
+
+    def write(self, data: Any, /) -> int:
+        """All of the bytes: a disk that is nearly full takes a part."""
+        left = memoryview(data)
+        try:
+            while len(left):
+                left = left[super().write(left) :]
+        except OSError as error:
+            self._trouble = self._trouble or error
+            raise
+        return len(data)
+
+    def check(self) -> None:
+        """Raises OSError where anything is missing."""
+        if self._trouble is not None:
+            raise self._trouble
 
 
 class FolderSink:
@@ -137,7 +171,7 @@ class FolderSink:
         self._signed = signed
         self._time_base, self._resume = time_base, resume
         self._times: list[str] = []
-        with _told(path, 0):
+        with _told(path):
             path.mkdir(parents=True, exist_ok=True)
             (path / TIMES_FILE).unlink(missing_ok=True)
 
@@ -154,14 +188,14 @@ class FolderSink:
             return
         order = cv2.COLOR_RGBA2BGRA if image.shape[2] == 4 else cv2.COLOR_RGB2BGR
         _, data = cv2.imencode(".png", cv2.cvtColor(image, order), [cv2.IMWRITE_PNG_COMPRESSION, 1])
-        with _told(self.path, len(self._times) - 1):
+        with _told(self.path):
             png = data.tobytes()
             write_whole(self._file(index), [self._signed(png) if self._signed else png])
 
     def close(self, whole: bool) -> None:
         """Write the times when the folder is whole."""
         if whole:
-            with _told(self.path, len(self._times)):
+            with _told(self.path):
                 text = "file,seconds\n" + "\n".join(self._times) + "\n"
                 write_whole(self.path / TIMES_FILE, [text.encode()])
 
@@ -216,14 +250,29 @@ def _container_options(suffix: str, time_base: Fraction) -> dict[str, str]:
 
 
 @contextmanager
-def _told(path: Path, frames: int) -> Iterator[None]:
+def _told(path: Path) -> Iterator[None]:
     """Turns what the system or the encoder refuses into one line that says what is left."""
     try:
         yield
     except (OSError, av.error.FFmpegError) as error:
+        frames = _frames_in(path)
         left = f"; the {frames} frames written so far are in {path}" if frames else ""
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             raise OutputError(f"{path}: no space left{left}; free some space and run again") from error
         raise OutputError(
             f"{path}: cannot be written ({error.strerror}){left}; check the path and its permissions"
         ) from error
+
+
+def _frames_in(path: Path) -> int:
+    """How many frames of an unfinished result can be had from it."""
+    if path.is_dir():
+        return sum(FRAME_NAME.fullmatch(file.name) is not None for file in path.iterdir())
+    count = 0
+    try:
+        with open_media(path) as container:
+            for packet in container.demux(video=0):
+                count += packet.size > 0 and not packet.is_corrupt
+    except (OSError, av.error.FFmpegError, IndexError, ValueError):
+        return count  # it may end anywhere
+    return count

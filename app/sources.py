@@ -1,6 +1,7 @@
 """Drivers: video files, folders of images, numbered sequences and single pictures, all as frames with timestamps."""
 
 import glob
+import os
 import re
 from collections.abc import Iterator
 from fractions import Fraction
@@ -103,7 +104,7 @@ def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
     """
     path = Path(driver)
     if path.is_dir():
-        files = _in_reading_order(f for f in path.iterdir() if f.suffix.lower() in IMAGE_SUFFIXES)
+        files = _pictures_in(path)
         if not files:
             raise InputError(
                 f"{path}: a folder without pictures; it needs files ending in {', '.join(sorted(IMAGE_SUFFIXES))}"
@@ -117,6 +118,18 @@ def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
     if files:
         return Images(path, files, rate)
     raise InputError(f"{path}: no such file or folder; check the path")
+
+
+def files_of(driver: str) -> list[Path]:
+    """What is read for a command-line word: files, after the folder that they are in; nothing where there is none."""
+    path = Path(driver)
+    if path.is_dir():
+        return [path, *_pictures_in(path)] if os.access(path, os.R_OK) else [path]
+    return [path] if path.is_file() else _sequence(path)
+
+
+def _pictures_in(folder: Path) -> list[Path]:
+    return _in_reading_order(f for f in folder.iterdir() if f.suffix.lower() in IMAGE_SUFFIXES)
 
 
 def _sequence(path: Path) -> list[Path]:

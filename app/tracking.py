@@ -11,11 +11,12 @@ from .errors import ExitCode, NoFaceError
 from .following import Actor
 from .live import perform
 from .neutrals import NeutralRule, find_neutral, said
+from .outputs import keep_inputs
 from .performance import Pose
 from .places import check_places
 from .progress import ProgressBar
 from .reports import Tally
-from .sources import open_source
+from .sources import files_of, open_source
 from .threads import ahead
 from .timing import Stopwatch
 from .tracks import Track, save_track
@@ -29,6 +30,7 @@ def run_tracking(
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
     source = open_source(driver, rate)
+    keep_inputs([out, rule.sheet], [*files_of(driver), rule.picture, avatar])
     cast = open_avatar(avatar)
     check_places(out)
     tracker = FaceTracker()
@@ -49,6 +51,9 @@ def run_tracking(
                 bar.advance()
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
+        if not tally.frames:
+            bar.say(f"{out}: stopped before the first frame; nothing was written")
+            return code
         if tally.without_face == tally.frames:
             raise NoFaceError(f"{driver}: no face in any frame, so there is nothing to keep; check the clip")
         pts_array = np.array(times, np.int64)

@@ -2,7 +2,8 @@ from pathlib import Path
 
 import pytest
 from gemheads.app.errors import UsageError
-from gemheads.app.outputs import plan_outputs
+from gemheads.app.outputs import keep_inputs, plan_outputs
+from gemheads.app.sources import files_of
 
 
 def test_one_driver_one_result(tmp_path: Path) -> None:
@@ -29,8 +30,42 @@ def test_unknown_kinds_of_file_are_refused() -> None:
         plan_outputs(["a.mp4"], "out.avi", False)
 
 
-def test_the_driver_is_never_overwritten(tmp_path: Path) -> None:
-    clip = tmp_path / "a.mp4"
-    clip.touch()
-    with pytest.raises(UsageError, match="would overwrite the driver"):
-        plan_outputs([str(clip)], str(tmp_path / "." / "a.mp4"), False)
+def test_no_two_results_have_one_name() -> None:
+    plan = plan_outputs(["talk.mp4", "x/talk.mp4", "talk-2.mp4", "Talk.mov"], "out", False)
+    assert [result.name for _, result in plan] == ["talk.mp4", "talk-2.mp4", "talk-2-2.mp4", "Talk-3.mp4"]
+
+
+class TestWhatIsReadIsKept:
+    @pytest.fixture
+    def clip(self, tmp_path: Path) -> Path:
+        (tmp_path / "a.mp4").touch()
+        return tmp_path / "a.mp4"
+
+    def test_under_another_spelling(self, clip: Path) -> None:
+        with pytest.raises(UsageError, match=r"a\.mp4: would be written over .*a\.mp4, which is read"):
+            keep_inputs([None, clip.parent / "." / "a.mp4"], [None, clip])
+
+    def test_under_another_name_of_the_same_file(self, clip: Path) -> None:
+        other = clip.with_name("b.mp4")
+        other.hardlink_to(clip)
+        with pytest.raises(UsageError, match="would be written over"):
+            keep_inputs([other], [clip])
+
+    def test_under_the_name_of_an_unfinished_result(self, clip: Path) -> None:
+        unfinished = clip.rename(clip.with_name("b.partial.mp4"))
+        with pytest.raises(UsageError, match=r"b\.mp4: would be written over"):
+            keep_inputs([clip.with_name("b.mp4")], [unfinished])
+
+    @pytest.mark.parametrize("driver", ["shots", "shots/frame_%06d.png", "shots/frame_000001.png"])
+    def test_in_a_folder_of_pictures(self, tmp_path: Path, driver: str) -> None:
+        (tmp_path / "shots").mkdir()
+        (tmp_path / "shots" / "frame_000001.png").touch()
+        with pytest.raises(UsageError, match="shots: would be written over"):
+            keep_inputs([tmp_path / "shots"], files_of(str(tmp_path / driver)))
+
+    def test_everything_else_may_be_written(self, clip: Path) -> None:
+        clip.with_name("me.png").touch()
+        clip.with_name("old.mp4").touch()
+        keep_inputs(
+            [clip.with_name("old.mp4"), clip.with_name("new.mp4"), clip.parent], [clip, clip.with_name("me.png")]
+        )

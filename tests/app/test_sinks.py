@@ -167,3 +167,30 @@ def test_a_full_disk_is_told_and_what_was_written_plays(tmp_path: Path) -> None:
     assert "no space left; the" in done.stdout, done.stderr
     assert "frames written so far are in" in done.stdout
     assert len(list(VideoFile(tmp_path / "out.partial.mp4").frames())) >= 29
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits on file sizes are set by POSIX calls")
+@pytest.mark.parametrize("suffix", [".mp4", ".mov", ".webm"])
+@pytest.mark.parametrize("missing", [1, 1500])
+def test_a_disk_that_is_full_at_the_very_end_is_told(tmp_path: Path, suffix: str, missing: int) -> None:
+    import resource
+
+    def written(name: str) -> Path:
+        rng, path = np.random.default_rng(0), tmp_path / f"{name}{suffix}"
+        sink = VideoSink(path, (96, 64), Fraction(1, 30), Fraction(30), False, None)
+        for index in range(40):
+            coarse = rng.integers(0, 255, (8, 12, 3))
+            sink.write(index, coarse.repeat(8, 0).repeat(8, 1).astype(np.uint8), index)
+        sink.close(True)
+        return path
+
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (written("whole").stat().st_size - missing, limits[1]))
+    try:
+        with pytest.raises(OutputError, match="no space left; the") as told:
+            written("cut")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    left = tmp_path / f"cut.partial{suffix}"
+    assert f"the {len(list(VideoFile(left).frames()))} frames written so far are in {left}" in str(told.value)
+    assert not is_whole(tmp_path / f"cut{suffix}")
