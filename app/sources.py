@@ -103,7 +103,8 @@ def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
     """
     path = Path(driver)
     if path.is_dir():
-        files = _in_reading_order(f for f in path.iterdir() if f.suffix.lower() in IMAGE_SUFFIXES)
+        visible = (f for f in path.iterdir() if not f.name.startswith("."))  # macOS puts a ._shot.png beside shot.png
+        files = _in_reading_order(f for f in visible if f.suffix.lower() in IMAGE_SUFFIXES)
         if not files:
             raise InputError(
                 f"{path}: a folder without pictures; it needs files ending in {', '.join(sorted(IMAGE_SUFFIXES))}"
