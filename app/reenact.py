@@ -249,6 +249,8 @@ class _Run:
         if not is_video(self._result):
             return FolderSink(self._result, time_base, self._wish.resume, papers.signed_png)
         audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
+        if isinstance(source, VideoFile) and source.has_unreadable_audio:
+            self._bar.say(f"{source.path}: its sound is of a kind that cannot be read here; the result has none")
         return VideoSink(self._result, size, time_base, rate, transparent, audio)
 
     def _tell(self, index: int, pose: Pose) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.mediafile import duration_of, open_media, pixel_aspect_of, rate_of, start_of
+from .audio import sound_track
 from .errors import InputError
 from .frames import Frame
 
@@ -35,7 +36,8 @@ class VideoFile:
             self.time_base: Fraction = stream.time_base or Fraction(1, 1000)
             self.rate = rate_of(stream)
             self.frame_count: int | None = _expected_frames(container, stream, self.rate)
-            self.has_audio = bool(container.streams.audio)
+            self.has_audio = sound_track(container) is not None
+            self.has_unreadable_audio = bool(container.streams.audio) and not self.has_audio
             self._start = round(start_of(container) / self.time_base)
             self._pixel_aspect = pixel_aspect_of(stream)
         first = next(self.frames())
