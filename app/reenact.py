@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,7 +12,7 @@ from ..models.driver.face import FaceTracker
 from ..render.engines import Engine, open_engine
 from .badge import badged
 from .beside import beside_width, side_by_side
-from .casting import Avatar, Driving, check_components, expression_of, open_avatar
+from .casting import Avatar, Driving, check_components, check_track, expression_of, open_avatar
 from .credentials.papers import Papers, driver_of
 from .credentials.signing import Signer, open_signer
 from .credentials.statement import Statement
@@ -30,7 +31,7 @@ from .sinks import FolderSink, Sink, VideoSink, is_whole, video_codec
 from .sources import Source, open_source
 from .threads import ahead
 from .timing import Stopwatch
-from .tracks import Track, load_track
+from .tracks import Track, head_still, load_track
 from .video import VideoFile
 
 
@@ -111,11 +112,10 @@ def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:
     avatar = open_avatar(wish.avatar)
     check_components(avatar, wish.components)
     track = load_track(wish.track) if wish.track else None
-    if track and track.avatar_sha256 != avatar.sha256:
-        raise InputError(
-            f"{wish.track}: was made for {track.avatar}, not for {avatar.path}; give that avatar, or track again"
-        )
-    if track is None:
+    if track and wish.track:
+        check_track(avatar, track, wish.track)
+        track = track if wish.head_pose else head_still(track)
+    else:
         expression_of(avatar, wish.driving)  # fails now rather than after the tracker and the engine have started
     tracker = FaceTracker() if followed and track is None else None
     signer, trouble = open_signer()
@@ -270,10 +270,14 @@ def _papers(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) ->
 
 def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
     """A track with the frames it was made from, for their sound and for side by side."""
-    frames = ahead(source.frames())
-    for (_, pose, pts), frame in zip(track, frames, strict=False):
+    cure = "give the video that was tracked, or track this one"
+    for shot, frame in zip_longest(track, ahead(source.frames())):
+        if shot is None or frame is None:
+            what = "goes on after" if shot is None else "ends before"
+            raise InputError(f"{source.path}: {what} the {track.frame_count} frames of the track; {cure}")
+        _, pose, pts = shot
         if frame.pts * source.time_base != pts * track.time_base:
-            raise InputError(f"{source.path}: its times are not those of the track; give the video that was tracked")
+            raise InputError(f"{source.path}: its times are not those of the track; {cure}")
         yield frame, pose, pts
 
 
