@@ -16,7 +16,7 @@ from .casting import Avatar, Driving, check_components, check_track, expression_
 from .credentials.papers import Papers, driver_of
 from .credentials.signing import Signer, open_signer
 from .credentials.statement import Statement
-from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError
+from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError, brief
 from .following import Actor
 from .frames import Frame
 from .live import Image, Stage, perform, run_offline
@@ -74,8 +74,9 @@ class Cast:
 def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None, quiet: bool = False) -> ExitCode:
     """Play every driver into its result and say how it went; one failure does not stop the others.
 
-    Returns OK, INTERRUPTED, or the exit code of the first driver that failed. Raises CommandError for what concerns
-    them all: the avatar, the track, the names of the results.
+    Returns OK, INTERRUPTED, or the exit code of the first driver that failed; what nobody foresaw in that one is raised
+    when all are done and reported. Raises CommandError for what concerns them all: the avatar, the track, the names of
+    the results.
     """
     started = time.perf_counter()
     if not drivers and wish.track is None:
@@ -87,25 +88,31 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         if is_video(result):
             video_codec(result.suffix.lower(), wish.background is None)
     outcomes: list[Outcome] = []
-    code = ExitCode.OK
+    failure: BaseException | None = None
     with ProgressBar(quiet) as bar:
         cast = _opened(wish, bool(drivers), bar)
         try:
             for driver, result in jobs:
                 own = replace(wish, neutral=_with_sheet(wish.neutral, result, len(jobs)))
-                outcome, failed = _outcome_of(driver if drivers else None, result, cast, own, bar, started)
+                outcome, error = _outcome_of(driver if drivers else None, result, cast, own, bar, started)
                 outcomes.append(outcome)
                 bar.say(f"error: {outcome.message}" if outcome.status == "failed" else outcome.message)
-                code = code or failed
+                failure = failure or error
                 started = time.perf_counter()
-                if failed is ExitCode.INTERRUPTED:
-                    code = failed
+                if isinstance(error, KeyboardInterrupt):
+                    failure = error
                     break
         finally:
             cast.engine.close()
     if report:
         write_report(report, _settings(wish, cast), outcomes)
-    return code
+    if failure is None:
+        return ExitCode.OK
+    if isinstance(failure, KeyboardInterrupt):
+        return ExitCode.INTERRUPTED
+    if isinstance(failure, CommandError):
+        return failure.code
+    raise failure
 
 
 def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:
@@ -133,26 +140,28 @@ def _with_sheet(rule: NeutralRule, result: Path, drivers: int) -> NeutralRule:
 
 def _outcome_of(
     driver: str | None, result: Path, cast: Cast, wish: Wish, bar: ProgressBar, started: float
-) -> tuple[Outcome, ExitCode]:
-    """One driver's run, whatever happens in it."""
+) -> tuple[Outcome, BaseException | None]:
+    """One driver's run, whatever happens in it, and what ended it early."""
     outcome = Outcome(driver or str(wish.track), str(result), "failed")
     if wish.resume and is_whole(result):
         credentials = _papers(cast, wish, driver).sign_once(result) if is_video(result) else ""
-        return replace(outcome, status="kept", message=f"{result}: already done", credentials=credentials), ExitCode.OK
+        return replace(outcome, status="kept", message=f"{result}: already done", credentials=credentials), None
     run = _Run(cast, wish, result, bar, started)
-    status, code = "failed", ExitCode.OK
+    status, failure = "failed", None
     try:
         run.play(driver)
         status = "done"
         message = f"{result}: {run.tally.frames} frames in {run.seconds:.1f} s ({run.rate:.0f} frames/s)"
         message += f", {run.credentials}" if run.credentials else ""
-    except KeyboardInterrupt:
-        status, code = "interrupted", ExitCode.INTERRUPTED
+    except KeyboardInterrupt as error:
+        status, failure = "interrupted", error
         message = f"{result}: stopped before the first frame; nothing was written"
         if run.tally.frames:
             message = f"{run.left}: stopped after {run.tally.frames} frames; what is there can be played"
     except CommandError as error:
-        message, code = str(error), error.code
+        message, failure = str(error), error
+    except Exception as error:  # whatever a file of somebody's does, the other drivers have their turn
+        message, failure = f"{outcome.driver}: unexpected {type(error).__name__}: {brief(error)}", error
     return (
         replace(
             outcome,
@@ -165,7 +174,7 @@ def _outcome_of(
             seconds=round(run.seconds, 3),
             first_frame_seconds=round(run.first_frame_secs, 3),
         ),
-        code,
+        failure,
     )
 
 
