@@ -16,6 +16,7 @@ from ..models.gemfile import GemFormatError, load_gem
 from ..models.wholefile import file_sha256
 from .errors import InputError, UsageError
 from .following import Express, Floats
+from .tracks import Track
 
 Driving = Literal["learned", "baseline"]
 
@@ -57,6 +58,15 @@ def check_components(avatar: Avatar, components: int | None) -> None:
     stored = avatar.gem.components
     if components is not None and not 1 <= components <= stored:
         raise UsageError(f"--components {components}: {avatar.path} stores {stored}; choose from 1 to {stored}")
+
+
+def check_track(avatar: Avatar, track: Track, path: Path) -> None:
+    """Raises InputError when the track of this file was made for another avatar."""
+    width = track.poses[0].coefficients.size
+    if track.avatar_sha256 != avatar.sha256 or width != avatar.gem.coefficient_count:
+        raise InputError(
+            f"{path}: was made for {track.avatar}, not for {avatar.path}; give that avatar, or track again"
+        )
 
 
 def expression_of(avatar: Avatar, driving: Driving) -> Express:

@@ -10,7 +10,7 @@ from ..models import arkit
 from ..models.gem import Gem
 from ..models.ply import save_ply
 from ..models.posing import pose_head
-from .casting import check_components, open_avatar
+from .casting import check_components, check_track, open_avatar
 from .errors import InputError, OutputError, UsageError
 from .performance import Pose
 from .tracks import load_track
@@ -33,10 +33,9 @@ def export_track(avatar: Path, track: Path, out: Path, components: int | None = 
     """A folder of numbered PLYs, the head's pose included. Raises CommandError."""
     opened = open_avatar(avatar)
     check_components(opened, components)
-    poses = load_track(track).poses
-    if poses[0].coefficients.shape != (opened.gem.coefficient_count,):
-        raise InputError(f"{track}: was made for another avatar than {avatar}; give the one it names")
-    shots = ((out / f"frame_{i:06d}.ply", pose) for i, pose in enumerate(poses))
+    performance = load_track(track)
+    check_track(opened, performance, track)
+    shots = ((out / f"frame_{i:06d}.ply", pose) for i, pose in enumerate(performance.poses))
     _write(opened.gem, shots, components)
 
 

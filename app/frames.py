@@ -14,7 +14,7 @@ class Frame:
     rgb: NDArray[np.uint8]
     """[H, W, 3] sRGB."""
     pts: int
-    """Presentation time in units of ``time_base``, exactly as in the source."""
+    """Presentation time in units of ``time_base``, exactly as in the source, whose clock begins at 0."""
     time_base: Fraction
     """Seconds per unit of ``pts``."""
     number: int | None = field(default=None, kw_only=True)

@@ -32,7 +32,8 @@ def avatars(folders: tuple[tuple[Path, bool], ...] | None = None) -> list[Entry]
     """All avatars by name, the user's own before a shipped one of the same name; ``folders``: (folder, shipped)."""
     found: dict[str, Entry] = {}
     for folder, shipped in folders or ((user_folder(), False), (SHIPPED, True)):
-        for file in sorted(folder.glob(f"*{SUFFIX}")) if folder.is_dir() else ():
+        # no name begins with a dot: macOS puts a ._mara.gem beside mara.gem on disks of others
+        for file in sorted(folder.glob(f"[!.]*{SUFFIX}")) if folder.is_dir() else ():
             found.setdefault(file.stem, Entry(file.stem, file, shipped))
     return [found[name] for name in sorted(found)]
 

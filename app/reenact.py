@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,11 +12,11 @@ from ..models.driver.face import FaceTracker
 from ..render.engines import Engine, open_engine
 from .badge import badged
 from .beside import beside_width, side_by_side
-from .casting import Avatar, Driving, check_components, expression_of, open_avatar
+from .casting import Avatar, Driving, check_components, check_track, expression_of, open_avatar
 from .credentials.papers import Papers, driver_of
 from .credentials.signing import Signer, open_signer
 from .credentials.statement import Statement
-from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError
+from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError, brief
 from .following import Actor
 from .frames import Frame
 from .live import Image, Stage, perform, run_offline
@@ -30,7 +31,7 @@ from .sinks import FolderSink, Sink, VideoSink, is_whole, video_codec
 from .sources import Source, files_of, open_source
 from .threads import ahead
 from .timing import Stopwatch
-from .tracks import Track, load_track
+from .tracks import Track, head_still, load_track
 from .video import VideoFile
 
 
@@ -73,8 +74,9 @@ class Cast:
 def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None, quiet: bool = False) -> ExitCode:
     """Play every driver into its result and say how it went; one failure does not stop the others.
 
-    Returns OK, INTERRUPTED, or the exit code of the first driver that failed. Raises CommandError for what concerns
-    them all: the avatar, the track, the names of the results.
+    Returns OK, INTERRUPTED, or the exit code of the first driver that failed; what nobody foresaw in that one is raised
+    when all are done and reported. Raises CommandError for what concerns them all: the avatar, the track, the names of
+    the results.
     """
     started = time.perf_counter()
     if not drivers and wish.track is None:
@@ -91,36 +93,41 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         [*(file for driver in drivers for file in files_of(driver)), wish.neutral.picture, wish.avatar, wish.track],
     )
     outcomes: list[Outcome] = []
-    code = ExitCode.OK
+    failure: BaseException | None = None
     with ProgressBar(quiet) as bar:
         cast = _opened(wish, bool(drivers), bar)
         try:
             for driver, result in jobs:
                 own = replace(wish, neutral=_with_sheet(wish.neutral, result, len(jobs)))
-                outcome, failed = _outcome_of(driver if drivers else None, result, cast, own, bar, started)
+                outcome, error = _outcome_of(driver if drivers else None, result, cast, own, bar, started)
                 outcomes.append(outcome)
                 bar.say(f"error: {outcome.message}" if outcome.status == "failed" else outcome.message)
-                code = code or failed
+                failure = failure or error
                 started = time.perf_counter()
-                if failed is ExitCode.INTERRUPTED:
-                    code = failed
+                if isinstance(error, KeyboardInterrupt):
+                    failure = error
                     break
         finally:
             cast.engine.close()
     if report:
         write_report(report, _settings(wish, cast), outcomes)
-    return code
+    if failure is None:
+        return ExitCode.OK
+    if isinstance(failure, KeyboardInterrupt):
+        return ExitCode.INTERRUPTED
+    if isinstance(failure, CommandError):
+        return failure.code
+    raise failure
 
 
 def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:
     avatar = open_avatar(wish.avatar)
     check_components(avatar, wish.components)
     track = load_track(wish.track) if wish.track else None
-    if track and track.avatar_sha256 != avatar.sha256:
-        raise InputError(
-            f"{wish.track}: was made for {track.avatar}, not for {avatar.path}; give that avatar, or track again"
-        )
-    if track is None:
+    if track and wish.track:
+        check_track(avatar, track, wish.track)
+        track = track if wish.head_pose else head_still(track)
+    else:
         expression_of(avatar, wish.driving)  # fails now rather than after the tracker and the engine have started
     tracker = FaceTracker() if followed and track is None else None
     signer, trouble = open_signer()
@@ -138,26 +145,28 @@ def _with_sheet(rule: NeutralRule, result: Path, drivers: int) -> NeutralRule:
 
 def _outcome_of(
     driver: str | None, result: Path, cast: Cast, wish: Wish, bar: ProgressBar, started: float
-) -> tuple[Outcome, ExitCode]:
-    """One driver's run, whatever happens in it."""
+) -> tuple[Outcome, BaseException | None]:
+    """One driver's run, whatever happens in it, and what ended it early."""
     outcome = Outcome(driver or str(wish.track), str(result), "failed")
     if wish.resume and is_whole(result):
         credentials = _papers(cast, wish, driver).sign_once(result) if is_video(result) else ""
-        return replace(outcome, status="kept", message=f"{result}: already done", credentials=credentials), ExitCode.OK
+        return replace(outcome, status="kept", message=f"{result}: already done", credentials=credentials), None
     run = _Run(cast, wish, result, bar, started)
-    status, code = "failed", ExitCode.OK
+    status, failure = "failed", None
     try:
         run.play(driver)
         status = "done"
         message = f"{result}: {run.tally.frames} frames in {run.seconds:.1f} s ({run.rate:.0f} frames/s)"
         message += f", {run.credentials}" if run.credentials else ""
-    except KeyboardInterrupt:
-        status, code = "interrupted", ExitCode.INTERRUPTED
+    except KeyboardInterrupt as error:
+        status, failure = "interrupted", error
         message = f"{result}: stopped before the first frame; nothing was written"
         if run.tally.frames:
             message = f"{run.left}: stopped after {run.tally.frames} frames; what is there can be played"
     except CommandError as error:
-        message, code = str(error), error.code
+        message, failure = str(error), error
+    except Exception as error:  # whatever a file of somebody's does, the other drivers have their turn
+        message, failure = f"{outcome.driver}: unexpected {type(error).__name__}: {brief(error)}", error
     return (
         replace(
             outcome,
@@ -170,7 +179,7 @@ def _outcome_of(
             seconds=round(run.seconds, 3),
             first_frame_seconds=round(run.first_frame_secs, 3),
         ),
-        code,
+        failure,
     )
 
 
@@ -254,6 +263,8 @@ class _Run:
         if not is_video(self._result):
             return FolderSink(self._result, time_base, self._wish.resume, papers.signed_png)
         audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
+        if isinstance(source, VideoFile) and source.has_unreadable_audio:
+            self._bar.say(f"{source.path}: its sound is of a kind that cannot be read here; the result has none")
         return VideoSink(self._result, size, time_base, rate, transparent, audio)
 
     def _tell(self, index: int, pose: Pose) -> None:
@@ -273,10 +284,14 @@ def _papers(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) ->
 
 def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
     """A track with the frames it was made from, for their sound and for side by side."""
-    frames = ahead(source.frames())
-    for (_, pose, pts), frame in zip(track, frames, strict=False):
+    cure = "give the video that was tracked, or track this one"
+    for shot, frame in zip_longest(track, ahead(source.frames())):
+        if shot is None or frame is None:
+            what = "goes on after" if shot is None else "ends before"
+            raise InputError(f"{source.path}: {what} the {track.frame_count} frames of the track; {cure}")
+        _, pose, pts = shot
         if frame.pts * source.time_base != pts * track.time_base:
-            raise InputError(f"{source.path}: its times are not those of the track; give the video that was tracked")
+            raise InputError(f"{source.path}: its times are not those of the track; {cure}")
         yield frame, pose, pts
 
 

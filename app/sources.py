@@ -129,7 +129,8 @@ def files_of(driver: str) -> list[Path]:
 
 
 def _pictures_in(folder: Path) -> list[Path]:
-    return _in_reading_order(f for f in folder.iterdir() if f.suffix.lower() in IMAGE_SUFFIXES)
+    visible = (f for f in folder.iterdir() if not f.name.startswith("."))  # macOS puts a ._shot.png beside shot.png
+    return _in_reading_order(f for f in visible if f.suffix.lower() in IMAGE_SUFFIXES)
 
 
 def _sequence(path: Path) -> list[Path]:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -54,6 +54,12 @@ class Track:
     def __iter__(self) -> Iterator[tuple[None, Pose, int]]:
         for pose, pts in zip(self.poses, self.pts, strict=True):
             yield None, pose, int(pts)
+
+
+def head_still(track: Track) -> Track:
+    """The same expressions with the head in its place."""
+    still = np.zeros(3, np.float32)
+    return replace(track, poses=tuple(replace(pose, turn=still, translation=still) for pose in track.poses))
 
 
 def save_track(track: Track, path: Path) -> None:

@@ -11,7 +11,8 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.mediafile import open_media, rate_of
+from ..models.mediafile import duration_of, open_media, pixel_aspect_of, rate_of, start_of
+from .audio import sound_track
 from .errors import InputError
 from .frames import Frame
 
@@ -23,7 +24,10 @@ FEWEST_SAMPLES = 12
 
 
 class VideoFile:
-    """A video stream of a file. Raises InputError when the file is missing, empty, not a video, or cannot be read."""
+    """A video stream of a file; its times are counted from where the file's clock begins.
+
+    Raises InputError when the file is missing, empty, not a video, or cannot be read.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -31,8 +35,11 @@ class VideoFile:
             stream = video_stream(container, path)
             self.time_base: Fraction = stream.time_base or Fraction(1, 1000)
             self.rate = rate_of(stream)
-            self.frame_count: int | None = _expected_frames(stream, self.rate)
-            self.has_audio = bool(container.streams.audio)
+            self.frame_count: int | None = _expected_frames(container, stream, self.rate)
+            self.has_audio = sound_track(container) is not None
+            self.has_unreadable_audio = bool(container.streams.audio) and not self.has_audio
+            self._start = round(start_of(container) / self.time_base)
+            self._pixel_aspect = pixel_aspect_of(stream)
         first = next(self.frames())
         self.size = (first.rgb.shape[1], first.rgb.shape[0])
 
@@ -61,8 +68,16 @@ class VideoFile:
 
     def _evenly(self, count: int) -> list[Frame]:
         """By decoding from the beginning, converting only what is kept."""
-        step = max(1, min(self.frame_count or WHOLE_CLIP_FRAMES, WHOLE_CLIP_FRAMES) // count)
+        expected = min(self.frame_count or WHOLE_CLIP_FRAMES, WHOLE_CLIP_FRAMES)
+        frames, decoded_count = self._every(max(1, expected // count), count)
+        if len(frames) < min(FEWEST_SAMPLES, count, decoded_count):  # fewer came than the file says, or it says nothing
+            frames, _ = self._every(max(1, decoded_count // count), count)
+        return frames
+
+    def _every(self, step: int, count: int) -> tuple[list[Frame], int]:
+        """The first of each ``step`` frames, ``count`` at most, and how many were decoded for them."""
         frames: list[Frame] = []
+        index = -1
         with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
             stream.thread_type = "AUTO"
@@ -72,16 +87,17 @@ class VideoFile:
                     frames.append(replace(frame, number=index))
                     if len(frames) == count:
                         break
-        return frames
+        return frames, index + 1
 
     def _key_frames(self, count: int) -> list[Frame]:
         found: dict[int, Frame] = {}
         with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
-            if not stream.duration:
+            seconds = duration_of(container, stream)
+            if not seconds:
                 return []
             start = stream.start_time or 0
-            for target in np.linspace(start, start + stream.duration, count, endpoint=False):
+            for target in np.linspace(start, start + float(seconds / self.time_base), count, endpoint=False):
                 try:
                     container.seek(int(target), stream=stream)
                     picture = next(decoded(container, stream), None)
@@ -96,7 +112,9 @@ class VideoFile:
         if pts is None:  # raw streams carry no time
             tick = max(1, round(1 / (self.rate * self.time_base)))
             pts = 0 if last is None else last + tick
-        return Frame(upright_rgb(picture), pts, self.time_base)
+        else:
+            pts -= self._start
+        return Frame(upright_rgb(picture, self._pixel_aspect), pts, self.time_base)
 
 
 def open_container(path: Path) -> Any:
@@ -132,9 +150,10 @@ def _told(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: cannot be read any further ({error.strerror}); copy or convert it again") from error
 
 
-def _expected_frames(stream: Any, rate: Fraction) -> int | None:
+def _expected_frames(container: Any, stream: Any, rate: Fraction) -> int | None:
     """By duration where it is known: the stream's own count includes what an edit list cuts away."""
-    return round(stream.duration * stream.time_base * rate) if stream.duration else stream.frames or None
+    seconds = duration_of(container, stream)
+    return round(seconds * rate) if seconds else stream.frames or None
 
 
 def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
@@ -146,11 +165,16 @@ def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
             continue
 
 
-def upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
-    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there."""
-    scale = min(1.0, LONGEST_SIDE / max(picture.width, picture.height))
-    if scale < 1:
-        picture = picture.reformat(max(1, round(picture.width * scale)), max(1, round(picture.height * scale)), "rgb24")
+def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) -> NDArray[np.uint8]:
+    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there.
+
+    ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
+    """
+    width = float(picture.width * pixel_aspect)
+    scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
+    size = max(1, round(width * scale)), max(1, round(picture.height * scale))
+    if size != (picture.width, picture.height):
+        picture = picture.reformat(*size, "rgb24")
     rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
     quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
     return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb

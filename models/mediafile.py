@@ -18,12 +18,15 @@ CONTAINERS = (
 MAX_PIXELS = 2**25
 """8K; a larger picture is an error of the decoder, which may hold some twenty of them."""
 MAX_RATE = 1000
+MAX_PIXEL_ASPECT = 4
+"""Anamorphic lenses and halved pictures come to 2; what says more, or less than its inverse, is a mistake."""
 
 
 def open_media(path: Path) -> Any:
     """An opened container of PyAV, to be closed by the caller. Raises av.error.FFmpegError and OSError."""
     options = {"protocol_whitelist": "file", "format_whitelist": ",".join(CONTAINERS)}
-    container = av.open(str(path), options=options, metadata_errors="replace")
+    # a name with a colon, such as 10:30.mp4, would else begin with the protocol to be spoken
+    container = av.open(f"file:{path}", options=options, metadata_errors="replace")
     for stream in container.streams.video:
         if stream.codec_context is not None:
             stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
@@ -36,3 +39,27 @@ def rate_of(stream: Any) -> Fraction:
         if rate and 0 < rate <= MAX_RATE:
             return Fraction(rate)
     return Fraction(30)
+
+
+def duration_of(container: Any, stream: Any) -> Fraction | None:
+    """Seconds of a stream; Matroska, WebM and FLV tell it of the whole file alone. None where nobody does."""
+    if stream.duration and stream.time_base:
+        return Fraction(stream.duration * stream.time_base)
+    return Fraction(container.duration, av.time_base) if container.duration else None
+
+
+def start_of(container: Any) -> Fraction:
+    """Where the clock of a file begins, in seconds, at least 0.
+
+    That of a transport stream or of what was cut from a broadcast begins anywhere. MP4 and MOV have a timeline of their
+    own: there a late first picture is meant to be late.
+    """
+    if "mov" in container.format.name.split(",") or not container.start_time:
+        return Fraction(0)
+    return Fraction(max(0, container.start_time), av.time_base)
+
+
+def pixel_aspect_of(stream: Any) -> Fraction:
+    """Width over height of a video stream's pixels; 1 where it says nothing, or nothing of use."""
+    aspect = stream.sample_aspect_ratio
+    return Fraction(aspect) if aspect and 1 / MAX_PIXEL_ASPECT <= aspect <= MAX_PIXEL_ASPECT else Fraction(1)

@@ -9,7 +9,7 @@ from typing import Any
 
 import av
 
-from ...models.mediafile import rate_of
+from ...models.mediafile import duration_of, pixel_aspect_of, rate_of
 from ..frames import Frame
 from ..video import decoded, open_container, upright_rgb, video_stream
 from .source import Kind, SourceLost, TimedFrame
@@ -34,10 +34,8 @@ class VideoPlayer:
         self.drops = 0
         self._open()
         self._frame_secs = 1 / float(rate_of(self._stream))
-        duration = self._stream.duration * self._tick if self._stream.duration else None
-        if duration is None and self._container.duration:
-            duration = self._container.duration / av.time_base
-        self.transport = Playhead(float(duration or LONGEST_SECS), self._frame_secs, clock=clock)
+        duration = float(duration_of(self._container, self._stream) or LONGEST_SECS)
+        self.transport = Playhead(duration, self._frame_secs, clock=clock)
         self._jumps = self.transport.jumps
         self._last_secs = -self._frame_secs
 
@@ -63,6 +61,7 @@ class VideoPlayer:
         self._stream.thread_type = "AUTO"
         self._tick = self._stream.time_base or Fraction(1, 1000)
         self._start = self._stream.start_time or 0
+        self._pixel_aspect = pixel_aspect_of(self._stream)
         self._pictures: Iterator[av.VideoFrame] = decoded(self._container, self._stream)
         self._next: tuple[float, av.VideoFrame] | None = None
         self._last_secs = -1.0
@@ -122,7 +121,7 @@ class VideoPlayer:
 
     def _frame(self, picture: av.VideoFrame) -> TimedFrame:
         pts = picture.pts if picture.pts is not None else round(self._last_secs / self._tick)
-        return TimedFrame(upright_rgb(picture), pts, self._tick, delivered=self._clock())
+        return TimedFrame(upright_rgb(picture, self._pixel_aspect), pts, self._tick, delivered=self._clock())
 
     def _until_next(self) -> float:
         if not self.transport.playing:

@@ -130,7 +130,7 @@ def pictures(subject: Subject, size: int = SIZE) -> Iterator[NDArray[np.uint8]]:
 def write_clip(subject: Subject, path: Path) -> None:
     """Encode the clip as H.264 at RATE frames a second."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with av.open(str(path), "w") as container:
+    with av.open(f"file:{path}", "w") as container:
         stream = container.add_stream("libx264", rate=RATE, options={"crf": "20", "preset": "slow", "threads": "1"})
         stream.width = stream.height = SIZE
         stream.pix_fmt = "yuv420p"

@@ -86,7 +86,7 @@ def _files(place: Path) -> list[Path]:
     if place.is_file():
         return [place]
     found = [path for path in place.iterdir() if path.suffix in (".npz", ".obj")] if place.is_dir() else []
-    found = sorted((path for path in found if path.name != TEMPLATE), key=by_number)
+    found = sorted((path for path in found if path.name != TEMPLATE and not path.name.startswith(".")), key=by_number)
     if not found:
         raise ForeignFormatError(place, "there is no mesh", CURE)
     if len(found) > MAX_FRAMES:

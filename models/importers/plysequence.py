@@ -25,7 +25,7 @@ def ply_files(place: Path) -> list[Path]:
         return [place]
     folder, pattern = (place, "*.ply") if place.is_dir() else (place.parent, place.name)
     found = sorted(folder.glob(pattern), key=by_number) if folder.is_dir() else []
-    found = [path for path in found if path.suffix == ".ply" and path.is_file()]
+    found = [path for path in found if path.suffix == ".ply" and path.is_file() and not path.name.startswith(".")]
     if not found:
         raise ForeignFormatError(place, "there is no PLY file", "give a folder of PLY files, or a pattern in quotes")
     if len(found) > MAX_FRAMES:

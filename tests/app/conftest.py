@@ -66,19 +66,23 @@ def make_clip(tmp_path: Path) -> Clip:
         size: tuple[int, int] = (96, 64),
         sound: bool = False,
         rotation: int = 0,
+        pixel_aspect: Fraction = Fraction(1),
+        options: dict[str, str] | None = None,
     ) -> Path:
         path = tmp_path / name
-        options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": str(time_base.denominator)}
-        with av.open(str(path), "w", options=options) as container:
+        if path.suffix == ".mp4":
+            options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": str(time_base.denominator)}
+        with av.open(str(path), "w", options=options or {}) as container:
             stream = container.add_stream("mpeg4", rate=30, options={"qscale": "2"})
             stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
             stream.time_base = stream.codec_context.time_base = time_base
+            stream.codec_context.sample_aspect_ratio = pixel_aspect
             if rotation:
                 stream.set_display_rotation(rotation)
             audio = container.add_stream("aac", rate=48000, layout="mono") if sound else None
             for index, instant in enumerate(pts):
                 image = np.zeros((size[1], size[0], 3), np.uint8)
-                image[: size[1] // 2, : size[0] // 2] = 120 + index
+                image[: size[1] // 2, : size[0] // 2] = 120 + index % 120
                 frame = av.VideoFrame.from_ndarray(image, format="rgb24")
                 frame.pts, frame.time_base = instant, time_base
                 container.mux(stream.encode(frame))
@@ -97,3 +101,10 @@ def make_clip(tmp_path: Path) -> Clip:
         return path
 
     return make
+
+
+def make_sound_unknown(clip: Path) -> None:
+    """Name the AAC of an MP4 as no codec is named."""
+    head, kind, rest = clip.read_bytes().partition(b"mp4a")
+    assert kind
+    clip.write_bytes(head + b"zzzz" + rest.replace(b"esds", b"zzzz", 1))

@@ -1,10 +1,14 @@
 """Exported PLYs, read by somebody who trusts only the layout of the INRIA 3DGS code."""
 
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+from gemheads.app.performance import Pose
+from gemheads.app.tracks import Track, save_track
 from gemheads.models import arkit
 from gemheads.models.gemfile import load_gem
 from gemheads.render.gaussians import Gaussians, activate
@@ -62,3 +66,13 @@ def test_a_strict_reader_sees_the_splats_that_are_drawn(tiny: Path, tmp_path: Pa
         np.testing.assert_allclose(getattr(read, part), getattr(drawn, part), rtol=1e-5, atol=1e-6, err_msg=part)
     turned_alike = np.abs((read.wxyz * drawn.wxyz).sum(1))  # q and -q are one rotation
     np.testing.assert_allclose(turned_alike, 1, atol=1e-5)
+
+
+def test_a_track_of_another_avatar_is_refused_though_its_coefficients_are_as_many(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    track, pose = tmp_path / "t.safetensors", Pose(load_gem(tiny).rest_coefficients, np.zeros(3, np.float32))
+    save_track(Track("mara", "ab" * 32, Fraction(1, 30), Fraction(30), np.array([0]), (pose,)), track)
+    assert main(["export", str(tiny), "--track", str(track), "-o", str(tmp_path / "ply")]) == ExitCode.INPUT
+    assert "was made for mara, not for" in capsys.readouterr().err
+    assert not (tmp_path / "ply").exists()

@@ -21,6 +21,12 @@ def test_a_users_own_avatar_hides_the_shipped_one_of_its_name(folders: tuple[tup
     assert found == {"ada": False, "bo": True, "zoe": False}
 
 
+def test_what_macos_puts_beside_an_avatar_is_none(tmp_path: Path) -> None:
+    for name in ("ada.gem", "._ada.gem"):
+        (tmp_path / name).touch()
+    assert [entry.name for entry in avatars(((tmp_path, False),))] == ["ada"]
+
+
 def test_folders_that_are_not_there_hold_no_avatars(tmp_path: Path) -> None:
     assert avatars(((tmp_path / "none", False),)) == []
 

@@ -18,7 +18,13 @@ import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.library import DEMO_CLIP
+from gemheads.app.performance import Pose
+from gemheads.app.sources import Source, open_source
+from gemheads.app.tracks import Track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
+from gemheads.models.wholefile import file_sha256
+
+from .conftest import make_sound_unknown
 
 pytestmark = pytest.mark.skipif(not DEMO_CLIP.is_file(), reason=f"the demo clip is missing: {DEMO_CLIP}")
 SIZE = ("--size", "64x64", "--engine", "software")
@@ -58,6 +64,18 @@ def clip(tmp_path: Path) -> Path:
 
 def play(tiny: Path, *words: str | Path) -> int:
     return main(["reenact", *map(str, words), "--avatar", str(tiny), "--driver", "baseline", *SIZE])
+
+
+def write_track(path: Path, tiny: Path, frames: int) -> Path:
+    """A track of the avatar at rest with the times of ``clip``, whose head turns and moves more and more."""
+    gem = load_gem(tiny)
+    poses = tuple(
+        Pose(gem.rest_coefficients, np.float32([0, 0.3 * i, 0]), translation=np.float32([0.02 * i, 0, 0]))
+        for i in range(frames)
+    )
+    pts = np.cumsum([2002, *[1001, 1500, 500, 1001] * 25])[:frames]
+    save_track(Track("tiny", file_sha256(tiny), Fraction(1, 30000), Fraction(30), pts, poses), path)
+    return path
 
 
 def times(path: Path) -> list[Fraction]:
@@ -158,6 +176,53 @@ def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) 
     assert sound(beside) == sound(clip)
     assert main(["export", str(tiny), "-o", str(tmp_path / "ply"), "--track", str(track)]) == 0
     assert len(list((tmp_path / "ply").glob("frame_*.ply"))) == len(VARIABLE)
+
+
+def test_a_track_keeps_the_head_still_where_that_is_asked_for(tiny: Path, tmp_path: Path) -> None:
+    track = write_track(tmp_path / "t.safetensors", tiny, 3)
+    for name, words in (("turned.mp4", ()), ("still.mp4", ("--no-head-pose",))):
+        assert play(tiny, "--track", track, "-o", tmp_path / name, *words) == 0
+    turned, still = pictures(tmp_path / "turned.mp4"), pictures(tmp_path / "still.mp4")
+    assert np.abs(turned[0].astype(int) - turned[2]).max() > 20
+    assert np.abs(still[0].astype(int) - still[2]).max() < 5
+
+
+@pytest.mark.parametrize(("frames", "said"), [(3, "goes on after the 3 frames"), (99, "ends before the 99 frames")])
+def test_a_track_of_another_length_than_the_driver_is_told(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], frames: int, said: str
+) -> None:
+    track = write_track(tmp_path / "t.safetensors", tiny, frames)
+    assert play(tiny, clip, "--track", track, "-o", tmp_path / "out.mp4") == ExitCode.INPUT
+    assert f"talk.mp4: {said} of the track" in capsys.readouterr().err
+    assert not (tmp_path / "out.mp4").exists()
+
+
+def test_what_nobody_foresaw_in_one_driver_does_not_stop_the_others(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def odd(path: str, rate: Fraction) -> Source:
+        if "talk" in path:
+            raise AttributeError("no name")
+        return open_source(path, rate)
+
+    monkeypatch.setattr("gemheads.app.reenact.open_source", odd)
+    other = tmp_path / "other.mp4"
+    other.write_bytes(clip.read_bytes())
+    words = (clip, other, "-o", tmp_path / "all", "--report", tmp_path / "r.json")
+    assert play(tiny, *words) == ExitCode.UNEXPECTED
+    assert "talk.mp4: unexpected AttributeError: no name" in capsys.readouterr().err
+    assert [run["status"] for run in json.loads((tmp_path / "r.json").read_text())["runs"]] == ["failed", "done"]
+    with pytest.raises(AttributeError):
+        play(tiny, *words, "--resume", "--debug")
+
+
+def test_sound_that_cannot_be_read_is_told_and_left_out(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make_sound_unknown(clip)
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4") == 0
+    assert "talk.mp4: its sound is of a kind that cannot be read here" in capsys.readouterr().err
+    assert times(tmp_path / "out.mp4") == times(clip)
 
 
 def test_neutral_by_picture_by_frame_and_by_time(tiny: Path, clip: Path, tmp_path: Path) -> None:

@@ -1,3 +1,4 @@
+import sys
 from fractions import Fraction
 from pathlib import Path
 
@@ -44,6 +45,62 @@ def test_samples_spread_over_the_clip(make_clip: Clip) -> None:
     assert [sample.pts for sample in samples] == [0, 10000, 20000, 30000, 40000, 50000]
     everything = list(source.frames())
     assert [everything[sample.number or 0].pts for sample in samples] == [sample.pts for sample in samples]
+
+
+@pytest.mark.parametrize("options", [{}, {"live": "1"}], ids=["length told", "length not told"])
+def test_samples_spread_over_a_clip_whose_stream_tells_no_length(make_clip: Clip, options: dict[str, str]) -> None:
+    clip = make_clip("clip.mkv", tuple(range(0, 60000, 1000)), options=options)
+    with av.open(str(clip)) as container:
+        assert container.streams.video[0].duration is None
+        assert (container.duration is None) == bool(options)
+    source = open_source(str(clip))
+    assert [sample.number for sample in source.samples(6)] == [0, 10, 20, 30, 40, 50]
+    assert source.frame_count == (None if options else 60)
+
+
+def test_a_long_clip_whose_stream_tells_no_length_is_sampled_to_its_end(
+    make_clip: Clip, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gemheads.app.video.WHOLE_CLIP_FRAMES", 30)
+    source = open_source(str(make_clip("clip.mkv", tuple(range(0, 240000, 1000)))))  # a key frame each 12 frames
+    assert source.samples(20)[-1].seconds > 7
+
+
+def test_times_are_counted_from_where_the_clock_of_a_transport_stream_begins(make_clip: Clip) -> None:
+    ticks = (0, 1000, 2200, *range(3000, 30000, 1000))
+    source = open_source(str(make_clip("clip.ts", tuple(3600 * 30000 + tick for tick in ticks))))
+    assert [frame.pts for frame in source.frames()] == [3 * tick for tick in ticks]
+    assert [sample.seconds for sample in source.samples(3)] == pytest.approx([0, 1 / 3, 2 / 3])
+
+
+def test_a_first_picture_that_mp4_shows_late_stays_late(make_clip: Clip) -> None:
+    assert [frame.pts for frame in open_source(str(make_clip(pts=(2002, 3003)))).frames()] == [2002, 3003]
+
+
+@pytest.mark.parametrize(("pixel_aspect", "size"), [(Fraction(2), (192, 64)), (Fraction(1, 2), (48, 64))])
+def test_pixels_that_are_not_square_are_made_so(make_clip: Clip, pixel_aspect: Fraction, size: tuple[int, int]) -> None:
+    source = open_source(str(make_clip(pixel_aspect=pixel_aspect)))
+    assert source.size == size
+    rgb = next(source.frames()).rgb
+    assert rgb[5, size[0] // 2 - 5].mean() > 60
+    assert rgb[5, size[0] // 2 + 5].mean() < 60
+
+
+def test_a_pixel_of_no_possible_shape_is_taken_for_a_square(make_clip: Clip) -> None:
+    assert open_source(str(make_clip(pixel_aspect=Fraction(250)))).size == (96, 64)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no file can be called so")
+def test_a_name_with_a_colon_is_no_protocol(make_clip: Clip, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    make_clip("2024-05-01T10:30:00.mp4")
+    monkeypatch.chdir(tmp_path)
+    assert len(list(open_source("2024-05-01T10:30:00.mp4").frames())) == 4
+
+
+def test_what_macos_puts_beside_a_picture_is_not_read(tmp_path: Path) -> None:
+    write_png(tmp_path / "shot.png", 7)
+    (tmp_path / "._shot.png").write_bytes(b"\0\5\x16\7 attributes")
+    assert [int(frame.rgb[0, 0, 0]) for frame in open_source(str(tmp_path)).frames()] == [7]
 
 
 def test_folders_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:

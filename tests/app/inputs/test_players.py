@@ -61,6 +61,12 @@ def test_uneven_times_are_kept(make_clip: Clip, clock: Clock) -> None:
     assert came == pytest.approx([tick / 30000 for tick in ticks], abs=0.003)
 
 
+def test_a_video_has_square_pixels(make_clip: Clip, clock: Clock) -> None:
+    frame = VideoPlayer(make_clip(pixel_aspect=Fraction(2)), clock).read(0)
+    assert frame is not None
+    assert frame.rgb.shape == (64, 192, 3)
+
+
 def test_a_video_pauses_steps_and_seeks_exactly(make_clip: Clip, clock: Clock) -> None:
     video = VideoPlayer(make_clip(pts=TICKS), clock)
     watch(video, clock, 0.3)

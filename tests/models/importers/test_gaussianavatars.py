@@ -130,6 +130,12 @@ def test_meshes_in_one_file_as_obj_and_beside_a_template_are_the_same(tmp_path: 
         np.testing.assert_allclose(sequence.vertices(1), frames[1], atol=1e-6)
 
 
+def test_what_macos_puts_beside_a_mesh_is_none(tmp_path: Path) -> None:
+    folder = write_meshes(tmp_path / "meshes", [mesh(), mesh(1.0)])
+    (folder / "._0.npz").write_bytes(b"attributes")
+    assert open_meshes(folder).count == 2
+
+
 def lying(path: Path) -> None:
     """A header that claims a hundred thousand million vertices."""
     header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (100000000000, 3), }\n"

@@ -86,6 +86,12 @@ def test_frames_come_in_the_order_of_their_numbers(tmp_path: Path) -> None:
         ply_files(tmp_path / "nobody_*.ply")
 
 
+def test_what_macos_puts_beside_a_file_is_no_frame(tmp_path: Path) -> None:
+    for name in ("head_1.ply", "._head_1.ply"):
+        (tmp_path / name).touch()
+    assert ply_files(tmp_path) == [tmp_path / "head_1.ply"]
+
+
 def test_only_the_constant_part_of_colours_is_taken_and_that_is_said(tmp_path: Path) -> None:
     raw = head()
     names = [f"f_rest_{i}" for i in range(3)] + "x y z opacity f_dc_0 f_dc_1 f_dc_2".split()
