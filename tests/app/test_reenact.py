@@ -164,6 +164,30 @@ def test_several_drivers_and_resuming_what_is_left(tiny: Path, clip: Path, tmp_p
     assert [run["status"] for run in json.loads(report.read_text())["runs"]] == ["kept", "done"]
 
 
+def test_a_driver_is_not_written_over_by_the_result_of_another(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    (tmp_path / "x").mkdir()
+    other = clip.rename(tmp_path / "x" / clip.name)
+    clip.write_bytes(other.read_bytes())
+    assert play(tiny, other, clip, "-o", tmp_path) == ExitCode.USAGE
+    assert clip.read_bytes() == other.read_bytes()
+    assert main(["track", str(clip), "-o", str(clip), "--avatar", str(tiny)]) == ExitCode.USAGE
+    assert clip.read_bytes() == other.read_bytes()
+
+
+def test_tracking_that_is_stopped_before_the_first_frame_says_so(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gemheads.app.tracking.perform", stopped)
+    track = tmp_path / "t.safetensors"
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == ExitCode.INTERRUPTED
+    assert not track.exists()
+    assert "stopped before the first frame; nothing was written" in capsys.readouterr().err
+
+
 def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) -> None:
     track, out, again, beside = (tmp_path / name for name in ("t.safetensors", "a.mp4", "b.mp4", "c.mp4"))
     words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
