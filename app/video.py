@@ -9,6 +9,7 @@ from typing import Any
 
 import av
 import numpy as np
+from av.video.reformatter import Colorspace
 from numpy.typing import NDArray
 
 from ..models.mediafile import open_media, rate_of
@@ -20,6 +21,8 @@ LONGEST_SIDE = 1920
 WHOLE_CLIP_FRAMES = 1500
 """Up to this many frames, sampling decodes everything; beyond, it seeks."""
 FEWEST_SAMPLES = 12
+_UNSAID = 2
+"""The number of a matrix that a video does not name, in H.273."""
 
 
 class VideoFile:
@@ -148,9 +151,16 @@ def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
 
 def upright_rgb(picture: av.VideoFrame) -> NDArray[np.uint8]:
     """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there."""
+    _guess_colours(picture)
     scale = min(1.0, LONGEST_SIDE / max(picture.width, picture.height))
     if scale < 1:
         picture = picture.reformat(max(1, round(picture.width * scale)), max(1, round(picture.height * scale)), "rgb24")
     rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
     quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
     return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb
+
+
+def _guess_colours(picture: av.VideoFrame) -> None:
+    """Where it is not said how luma and chroma become RGB, large pictures are BT.709 to players; unsaid it is BT.601."""
+    if picture.colorspace == _UNSAID and not picture.format.is_rgb and (picture.width >= 1280 or picture.height > 576):
+        picture.colorspace = Colorspace.ITU709
