@@ -9,15 +9,13 @@ from typing import Any
 
 import av
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.mediafile import duration_of, open_media, pixel_aspect_of, rate_of, start_of
+from ..models.videopicture import upright_rgb
 from .audio import sound_track
 from .errors import InputError
 from .frames import Frame
 
-LONGEST_SIDE = 1920
-"""Larger pictures are scaled down while they are converted: the face networks look at crops of 256 pixels."""
 WHOLE_CLIP_FRAMES = 1500
 """Up to this many frames, sampling decodes everything; beyond, it seeks."""
 FEWEST_SAMPLES = 12
@@ -163,18 +161,3 @@ def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
             yield from packet.decode()
         except av.error.InvalidDataError:
             continue
-
-
-def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) -> NDArray[np.uint8]:
-    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there.
-
-    ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
-    """
-    width = float(picture.width * pixel_aspect)
-    scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
-    size = max(1, round(width * scale)), max(1, round(picture.height * scale))
-    if size != (picture.width, picture.height):
-        picture = picture.reformat(*size, "rgb24")
-    rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
-    quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
-    return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..driver.face import FaceTracker
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..driver.neutral import choose_neutral
-from ..mediafile import open_media
+from ..mediafile import open_media, pixel_aspect_of
+from ..videopicture import upright_rgb
 
 EVERY_SECS = 0.1
 """Frames nearer than this to the last one are left out: they say the same."""
@@ -35,10 +36,11 @@ def _read(path: Path) -> NDArray[np.float32]:
     tracker, faces, times = FaceTracker(), [], []
     try:
         with open_media(path) as container:
+            pixel_aspect = pixel_aspect_of(container.streams.video[0])
             for frame in container.decode(video=0):
                 if times and frame.time is not None and frame.time - times[-1] < EVERY_SECS:
                     continue
-                face = tracker.track(np.asarray(frame.to_ndarray(format="rgb24"), np.uint8))
+                face = tracker.track(upright_rgb(frame, pixel_aspect))
                 if face is not None:
                     faces.append(face)
                     times.append(frame.time or 0.0)
