@@ -9,15 +9,21 @@ from typing import Any
 
 import av
 import numpy as np
-from numpy.typing import NDArray
 
-from ..models.mediafile import duration_of, open_media, pixel_aspect_of, rate_of, start_of
+from ..models.mediafile import (
+    decoded,
+    duration_of,
+    first_video,
+    open_media,
+    pixel_aspect_of,
+    rate_of,
+    start_of,
+    upright_rgb,
+)
 from .audio import sound_track
 from .errors import InputError
 from .frames import Frame
 
-LONGEST_SIDE = 1920
-"""Larger pictures are scaled down while they are converted: the face networks look at crops of 256 pixels."""
 WHOLE_CLIP_FRAMES = 1500
 """Up to this many frames, sampling decodes everything; beyond, it seeks."""
 FEWEST_SAMPLES = 12
@@ -131,14 +137,12 @@ def open_container(path: Path) -> Any:
 
 def video_stream(container: Any, path: Path) -> Any:
     """The first stream that is a video and no cover picture. Raises InputError without one."""
-    attached = getattr(av.stream.Disposition, "attached_pic", 0)
-    for stream in container.streams.video:
-        if stream.disposition & attached:
-            continue
-        if stream.codec_context is None:
-            raise InputError(f"{path}: its video is of a kind that cannot be decoded here; convert it to H.264 in mp4")
-        return stream
-    raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
+    stream = first_video(container)
+    if stream is None:
+        raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
+    if stream.codec_context is None:
+        raise InputError(f"{path}: its video is of a kind that cannot be decoded here; convert it to H.264 in mp4")
+    return stream
 
 
 @contextmanager
@@ -154,27 +158,3 @@ def _expected_frames(container: Any, stream: Any, rate: Fraction) -> int | None:
     """By duration where it is known: the stream's own count includes what an edit list cuts away."""
     seconds = duration_of(container, stream)
     return round(seconds * rate) if seconds else stream.frames or None
-
-
-def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
-    """The stream's pictures; a packet that cannot be decoded is passed over, the next ones still count."""
-    for packet in container.demux(stream):
-        try:
-            yield from packet.decode()
-        except av.error.InvalidDataError:
-            continue
-
-
-def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) -> NDArray[np.uint8]:
-    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there.
-
-    ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
-    """
-    width = float(picture.width * pixel_aspect)
-    scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
-    size = max(1, round(width * scale)), max(1, round(picture.height * scale))
-    if size != (picture.width, picture.height):
-        picture = picture.reformat(*size, "rgb24")
-    rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
-    quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
-    return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb

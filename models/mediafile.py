@@ -1,14 +1,17 @@
-"""Opening videos of unknown origin: plain containers only, and nothing but the one file.
+"""Opening videos of unknown origin: plain containers only, and nothing but the one file; what all who read them share.
 
 FFmpeg tells formats by their content: what is called clip.mp4 may be a playlist that names addresses on the network or
 other files of this machine. Such formats are not read, and no protocol but that of local files is spoken.
 """
 
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import av
+import numpy as np
+from numpy.typing import NDArray
 
 CONTAINERS = (
     *("mov", "matroska", "webm", "avi", "mpegts", "mpeg", "mpegvideo", "flv", "ogg", "asf", "gif", "ivf", "mjpeg"),
@@ -17,6 +20,8 @@ CONTAINERS = (
 """FFmpeg's names of what is read; everything in them lies within the file."""
 MAX_PIXELS = 2**25
 """8K; a larger picture is an error of the decoder, which may hold some twenty of them."""
+LONGEST_SIDE = 1920
+"""Larger pictures are scaled down while they are converted: the face networks look at crops of 256 pixels."""
 MAX_RATE = 1000
 MAX_PIXEL_ASPECT = 4
 """Anamorphic lenses and halved pictures come to 2; what says more, or less than its inverse, is a mistake."""
@@ -31,6 +36,12 @@ def open_media(path: Path) -> Any:
         if stream.codec_context is not None:
             stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
     return container
+
+
+def first_video(container: Any) -> Any | None:
+    """The first stream that is a video and no cover picture; its ``codec_context`` is None where nothing decodes it."""
+    attached = getattr(av.stream.Disposition, "attached_pic", 0)
+    return next((stream for stream in container.streams.video if not stream.disposition & attached), None)
 
 
 def rate_of(stream: Any) -> Fraction:
@@ -63,3 +74,27 @@ def pixel_aspect_of(stream: Any) -> Fraction:
     """Width over height of a video stream's pixels; 1 where it says nothing, or nothing of use."""
     aspect = stream.sample_aspect_ratio
     return Fraction(aspect) if aspect and 1 / MAX_PIXEL_ASPECT <= aspect <= MAX_PIXEL_ASPECT else Fraction(1)
+
+
+def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
+    """The stream's pictures; a packet that cannot be decoded is passed over, the next ones still count."""
+    for packet in container.demux(stream):
+        try:
+            yield from packet.decode()
+        except av.error.InvalidDataError:
+            continue
+
+
+def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) -> NDArray[np.uint8]:
+    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there.
+
+    ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
+    """
+    width = float(picture.width * pixel_aspect)
+    scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
+    size = max(1, round(width * scale)), max(1, round(picture.height * scale))
+    if size != (picture.width, picture.height):
+        picture = picture.reformat(*size, "rgb24")
+    rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
+    quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
+    return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb
