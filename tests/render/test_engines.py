@@ -73,6 +73,17 @@ def test_quads_draw_until_the_kernels_are_ready_then_both_are_tried() -> None:
     assert software.closed
 
 
+@pytest.mark.parametrize("lost", [False, True])
+def test_times_are_kept_only_while_there_is_a_choice(lost: bool) -> None:
+    software = Counting("software", fails=lost)
+    engine = fastest(Counting("quads"), software)
+    software.may_warm.set()
+    engine._warmer.join()
+    for _ in range(50):
+        engine.draw(RAW, CAMERA)
+    assert sum(map(len, engine._seconds.values())) <= 8
+
+
 @pytest.mark.parametrize("lost", ["quads", "software"])
 def test_the_other_engine_takes_over(lost: str) -> None:
     made = {name: Counting(name, fails=name == lost) for name in ("quads", "software")}
