@@ -68,7 +68,7 @@ class SoftwareEngine:
         raw = packed(raw)
         matrix = camera.world_to_camera.astype(np.float32)
         lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float32)
-        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
+        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits, raw.colors)
         _project(
             *splats,
             matrix,
@@ -100,7 +100,7 @@ class SoftwareEngine:
         ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
         doubles = numba.types.Array(numba.float64, 1, "C")
         signatures = (
-            (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles, whole)),
+            (_project, (triple, triple, triple, flat, triple, triple, doubles, flat, triple, ints, doubles, whole)),
             (front_to_back, (doubles, ints)),
             (count_pairs, (doubles, ints, whole, whole, ends)),
             (fill_pairs, (pairs, whole, ints, whole, ends, pairs)),
@@ -127,19 +127,21 @@ def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_EXACT, error_model="numpy")
-def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths, threads):
+def _project(positions, wxyz, log_scales, logits, colors, matrix, row, lens, records, spans, depths, threads):
     """``_project_some`` for all splats."""
     counter = np.zeros(1, np.int64)
     for _ in numba.prange(threads):
         first = fetch_add(counter, _SPLATS)
         while first < len(positions):
             last = min(first + _SPLATS, len(positions))
-            _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths)
+            _project_some(
+                first, last, positions, wxyz, log_scales, logits, colors, matrix, row, lens, records, spans, depths
+            )
             first = fetch_add(counter, _SPLATS)
 
 
 @numba.njit(cache=True, fastmath=_EXACT, error_model="numpy", inline="always")
-def _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
+def _project_some(first, last, positions, wxyz, log_scales, logits, colors, matrix, row, lens, records, spans, depths):
     """Activation and EWA projection of the splats from ``first`` to before ``last``.
 
     A record: centre x y, conic a b c in powers of 256, opacity, and what ``reached_rows`` needs. A span: first and last
@@ -149,7 +151,7 @@ def _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row,
     for i in range(first, last):
         depths[i] = 0
         px, py, pz = positions[i, 0], positions[i, 1], positions[i, 2]
-        if not is_sane(positions[i], wxyz[i], log_scales[i], logits[i]):
+        if not is_sane(positions[i], wxyz[i], log_scales[i], logits[i], colors[i]):
             continue
         l0, l1, l2 = log_scales[i, 0], log_scales[i, 1], log_scales[i, 2]
         qw, qx, qy, qz, logit = wxyz[i, 0], wxyz[i, 1], wxyz[i, 2], wxyz[i, 3], logits[i]

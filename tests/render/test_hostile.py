@@ -1,7 +1,10 @@
 """Any values whatever: no engine crashes, hangs, or draws anything but colours and coverage in range."""
 
+from dataclasses import replace
+
 import moderngl
 import numpy as np
+import pytest
 from gemheads.render.gaussians import RawGaussians
 from gemheads.render.software import SoftwareEngine
 from gemheads.render.splats import SplatRenderer
@@ -9,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from .scenes import portrait_camera
+from .scenes import portrait_camera, shell
 
 CAMERA = portrait_camera(37, 21)
 COUNT = 6
@@ -19,7 +22,9 @@ def _raw(values: st.SearchStrategy[float]) -> st.SearchStrategy[RawGaussians]:
     def array(*shape: int) -> st.SearchStrategy[np.ndarray]:
         return arrays(np.float32, shape, elements=values)
 
-    colors = arrays(np.float32, (COUNT, 3), elements=st.floats(0, 1, width=32))
+    # what a colour may be besides is the avatar's: only numbers that are none are the engine's to leave out
+    channel = st.floats(0, 1, width=32) | st.sampled_from([np.nan, np.inf, -np.inf])
+    colors = arrays(np.float32, (COUNT, 3), elements=channel)
     return st.builds(RawGaussians, array(COUNT, 3), array(COUNT, 4), array(COUNT, 3), array(COUNT), colors)
 
 
@@ -49,4 +54,16 @@ def test_quads_draw_a_picture_of_anything(context: moderngl.Context, raw: RawGau
     assert_is_a_picture(drawn)
     # a splat exactly at the least alpha may fall on either side; anything more is a difference of meaning
     assert np.abs(drawn - SoftwareEngine().draw(raw, CAMERA)).max() <= 0.01
+    renderer.close()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_splat_without_a_colour_is_left_out(context: moderngl.Context, value: float) -> None:
+    raw = shell(50)
+    colors, logits = raw.colors.copy(), raw.opacity_logits.copy()
+    colors[::5, 1], logits[::5] = value, -100
+    renderer = SplatRenderer(context)
+    for engine in (SoftwareEngine(), renderer):
+        without = engine.draw(replace(raw, opacity_logits=logits), CAMERA).copy()
+        np.testing.assert_array_equal(engine.draw(replace(raw, colors=colors), CAMERA), without)
     renderer.close()
