@@ -136,7 +136,8 @@ class FastestEngine:
             self._lost = f" ({self._used.name} failed: {error})"
             self._drop(self._used.name)
             return self.draw(raw, camera)
-        self._seconds[self._used.name].append(time.perf_counter() - started)
+        if FastestEngine._decided is None:
+            self._seconds[self._used.name].append(time.perf_counter() - started)
         return picture
 
     def close(self) -> None:

@@ -68,6 +68,10 @@ def test_quads_draw_until_the_kernels_are_ready_then_both_are_tried() -> None:
     assert FastestEngine._decided in ("quads", "software")
     assert engine.name == FastestEngine._decided
     assert software.drawn >= 4
+    noted = [len(seconds) for seconds in engine._seconds.values()]
+    for _ in range(20):
+        engine.draw(RAW, CAMERA)
+    assert [len(seconds) for seconds in engine._seconds.values()] == noted, "hours of pictures leave nothing behind"
     engine.close()
     assert quads.closed
     assert software.closed

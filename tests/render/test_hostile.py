@@ -2,6 +2,7 @@
 
 import moderngl
 import numpy as np
+import pytest
 from gemheads.render.gaussians import RawGaussians
 from gemheads.render.software import SoftwareEngine
 from gemheads.render.splats import SplatRenderer
@@ -50,3 +51,18 @@ def test_quads_draw_a_picture_of_anything(context: moderngl.Context, raw: RawGau
     # a splat exactly at the least alpha may fall on either side; anything more is a difference of meaning
     assert np.abs(drawn - SoftwareEngine().draw(raw, CAMERA)).max() <= 0.01
     renderer.close()
+
+
+def test_the_memory_for_splats_that_fill_the_picture_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    raw = RawGaussians(
+        positions=np.zeros((COUNT, 3), np.float32),
+        wxyz=np.tile(np.float32([1, 0, 0, 0]), (COUNT, 1)),
+        log_scales=np.zeros((COUNT, 3), np.float32),
+        opacity_logits=np.zeros(COUNT, np.float32),
+        colors=np.ones((COUNT, 3), np.float32),
+    )
+    engine = SoftwareEngine()
+    engine.draw(raw, CAMERA)
+    monkeypatch.setattr("gemheads.render.software.MOST_PAIRS", 2 * COUNT)
+    with pytest.raises(ValueError, match="too large for a head"):
+        engine.draw(raw, CAMERA)
