@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 import av
 import numpy as np
+from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
 from ..models.mediafile import open_media
@@ -31,6 +32,9 @@ _OPTIONS = {
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8", "crf": "24", "b": "0", "row-mt": "1"},
     "prores_ks": {"profile": "4444"},
 }
+_BT709 = 1
+"""The number of matrix, primaries and transfer in H.273: all of these encoders can write it, and players assume it of
+large pictures that say nothing."""
 
 
 class Sound(Protocol):
@@ -95,7 +99,9 @@ class VideoSink:
         stream.time_base = stream.codec_context.time_base = time_base
         stream.codec_context.gop_size = max(1, round(rate))  # one fragment a second
         stream.codec_context.thread_count = min(4, os.cpu_count() or 1)
+        _name_colours(stream.codec_context)
         self._stream, self._time_base, self._count = stream, time_base, 0
+        self._pixels, self._reformatter = pixels, VideoReformatter()
         self._audio: Sound | None = None
         if audio is not None:
             self._audio = AudioCopy(audio, self._container) if isinstance(audio, Path) else audio(self._container)
@@ -106,7 +112,7 @@ class VideoSink:
 
     def write(self, index: int, image: Image, pts: int) -> None:
         """Encode one picture and the sound up to it."""
-        frame = av.VideoFrame.from_ndarray(image, format="rgba" if image.shape[2] == 4 else "rgb24")
+        frame = self._converted(image)
         frame.pts, frame.time_base = pts, self._time_base
         with _told(self.partial):
             for packet in self._stream.encode(frame):
@@ -134,6 +140,16 @@ class VideoSink:
             if whole:
                 settle(self.partial)
                 self.partial.replace(self.path)
+
+    def _converted(self, image: Image) -> av.VideoFrame:
+        """Luma and chroma by the matrix that the file names, in limited range."""
+        return self._reformatter.reformat(
+            av.VideoFrame.from_ndarray(image, format="rgba" if image.shape[2] == 4 else "rgb24"),
+            format=self._pixels,
+            dst_colorspace=Colorspace.ITU709,
+            src_color_range=ColorRange.JPEG,
+            dst_color_range=ColorRange.MPEG,
+        )
 
 
 class _WatchedFile(io.FileIO):
@@ -233,6 +249,12 @@ def has_encoder(codec: str) -> bool:
     except (av.codec.codec.UnknownCodecError, ValueError):
         return False
     return True
+
+
+def _name_colours(codec: Any) -> None:
+    """Says how the pictures are to be turned into RGB again: unsaid, players guess, by the size of the picture."""
+    codec.colorspace = codec.color_primaries = codec.color_trc = _BT709
+    codec.color_range = ColorRange.MPEG
 
 
 def _container_options(suffix: str, time_base: Fraction) -> dict[str, str]:

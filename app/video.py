@@ -10,16 +10,8 @@ from typing import Any
 import av
 import numpy as np
 
-from ..models.mediafile import (
-    decoded,
-    duration_of,
-    first_video,
-    open_media,
-    pixel_aspect_of,
-    rate_of,
-    start_of,
-    upright_rgb,
-)
+from ..models.mediafile import decoded, duration_of, first_video, open_media, pixel_aspect_of, rate_of, start_of
+from ..models.videopicture import upright_rgb
 from .audio import sound_track
 from .errors import InputError
 from .frames import Frame

@@ -10,8 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import av
-import numpy as np
-from numpy.typing import NDArray
 
 CONTAINERS = (
     *("mov", "matroska", "webm", "avi", "mpegts", "mpeg", "mpegvideo", "flv", "ogg", "asf", "gif", "ivf", "mjpeg"),
@@ -20,8 +18,6 @@ CONTAINERS = (
 """FFmpeg's names of what is read; everything in them lies within the file."""
 MAX_PIXELS = 2**25
 """8K; a larger picture is an error of the decoder, which may hold some twenty of them."""
-LONGEST_SIDE = 1920
-"""Larger pictures are scaled down while they are converted: the face networks look at crops of 256 pixels."""
 MAX_RATE = 1000
 MAX_PIXEL_ASPECT = 4
 """Anamorphic lenses and halved pictures come to 2; what says more, or less than its inverse, is a mistake."""
@@ -83,18 +79,3 @@ def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
             yield from packet.decode()
         except av.error.InvalidDataError:
             continue
-
-
-def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) -> NDArray[np.uint8]:
-    """[H, W, 3] sRGB, at most LONGEST_SIDE, turned by the display matrix: phones film sideways and say so there.
-
-    ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
-    """
-    width = float(picture.width * pixel_aspect)
-    scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
-    size = max(1, round(width * scale)), max(1, round(picture.height * scale))
-    if size != (picture.width, picture.height):
-        picture = picture.reformat(*size, "rgb24")
-    rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
-    quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
-    return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb

@@ -36,6 +36,8 @@ _RECORD = 10
 """Numbers that are kept of a projected splat."""
 _EXACT = {"contract", "reassoc", "arcp", "nsz"}
 """fastmath that knows of NaN and infinity."""
+MOST_PAIRS = 2**26
+"""Of a splat and a tile that it reaches: they take 256 MiB. A head in a portrait comes to a thousandth of it."""
 
 
 class SoftwareEngine:
@@ -62,6 +64,8 @@ class SoftwareEngine:
 
         The array belongs to the engine and is overwritten by the next frame. Splats that are not finite or absurdly
         large are left out, as are those nearer than ``projection.NEAR``.
+
+        Raises ValueError where the splats reach more than MOST_PAIRS tiles.
         """
         started, threads = time.perf_counter(), numba.get_num_threads()
         self._fit(len(raw), camera)
@@ -85,6 +89,11 @@ class SoftwareEngine:
         columns, rows = -(-camera.width // TILE), -(-camera.height // TILE)
         ends = np.empty(columns * rows + 1, np.int64)
         count_pairs(self._depths, self._spans, columns, rows, ends)
+        if ends[-1] > MOST_PAIRS:
+            raise ValueError(
+                f"{visible} splats reach {ends[-1]} tiles of this picture together, more than {MOST_PAIRS}: they are"
+                " too large for a head; draw a smaller picture, or use engine quads"
+            )
         if ends[-1] > len(self._pairs):
             self._pairs = np.empty(int(ends[-1] * 1.3), np.int32)
         fill_pairs(self._orders[0], visible, self._spans, columns, ends, self._pairs)

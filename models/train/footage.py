@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..driver.face import FaceTracker
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..driver.neutral import choose_neutral
-from ..mediafile import decoded, first_video, open_media, pixel_aspect_of, upright_rgb
+from ..mediafile import decoded, first_video, open_media, pixel_aspect_of
+from ..videopicture import upright_rgb
 
 EVERY_SECS = 0.1
 """Frames nearer than this to the last one are left out: they say the same."""

@@ -7,6 +7,7 @@ import av
 import cv2
 import numpy as np
 import pytest
+from av.video.reformatter import ColorRange, Colorspace
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.sinks import FolderSink, VideoSink, is_whole, video_codec
 from gemheads.app.video import VideoFile
@@ -102,6 +103,25 @@ def test_transparent_videos_keep_their_alpha(tmp_path: Path, name: str, decoder:
     alpha = frames[0].to_ndarray(format="rgba")[..., 3]
     assert int(alpha[10, 40]) < 8
     assert int(alpha[50, 40]) == pytest.approx(200, abs=4)
+
+
+@pytest.mark.parametrize(
+    ("name", "encoder", "transparent"),
+    [("h.mp4", "", False), ("m.mp4", "mpeg4", False), ("v.webm", "", False), ("a.webm", "", True), ("a.mov", "", True)],
+)
+def test_videos_say_how_their_colours_are_to_be_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, encoder: str, transparent: bool
+) -> None:
+    if encoder:
+        monkeypatch.setattr("gemheads.app.sinks.has_encoder", lambda codec: codec == encoder)
+    green = (0, 177, 64)
+    sink = VideoSink(tmp_path / name, (96, 64), BASE, Fraction(30), transparent, None)
+    sink.write(0, np.full((64, 96, 3 + transparent), (*green, 255)[: 3 + transparent], np.uint8), 0)
+    sink.close(True)
+    with av.open(str(tmp_path / name)) as container:
+        frame = next(container.decode(video=0))
+    assert (frame.colorspace, frame.color_range) == (Colorspace.ITU709, ColorRange.MPEG)
+    assert frame.to_ndarray(format="rgb24")[32, 48].tolist() == pytest.approx(green, abs=4)
 
 
 def test_folders_hold_pngs_with_straight_alpha_and_times(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import av
 import cv2
 import numpy as np
 import pytest
+from av.video.reformatter import Colorspace
 from gemheads.app.errors import InputError
 from gemheads.app.sources import open_source
 
@@ -37,6 +38,22 @@ def test_a_video_filmed_sideways_stands_upright(make_clip: Clip, rotation: int, 
     assert source.size == ((64, 96) if rotation != 180 else (96, 64))
     assert (rgb[-5, 5].mean() > 60, rgb[5, -5].mean() > 60) == bright
     assert rgb[5, 5].mean() < 60
+
+
+@pytest.mark.parametrize(("size", "matrix"), [((96, 64), Colorspace.ITU601), ((1280, 64), Colorspace.ITU709)])
+def test_colours_that_a_video_does_not_name_are_those_that_players_take(
+    tmp_path: Path, size: tuple[int, int], matrix: Colorspace
+) -> None:
+    green = (0, 177, 64)
+    image = av.VideoFrame.from_ndarray(np.full((*size[::-1], 3), green, np.uint8), format="rgb24")
+    with av.open(str(tmp_path / "clip.mp4"), "w") as container:
+        stream = container.add_stream("mpeg4", rate=30, options={"qscale": "2"})
+        stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
+        frame = image.reformat(format="yuv420p", dst_colorspace=matrix)
+        container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    source = open_source(str(tmp_path / "clip.mp4"))
+    assert next(source.frames()).rgb[32, 48].tolist() == pytest.approx(green, abs=4)
 
 
 def test_samples_spread_over_the_clip(make_clip: Clip) -> None:

@@ -67,3 +67,18 @@ def test_a_splat_without_a_colour_is_left_out(context: moderngl.Context, value: 
         without = engine.draw(replace(raw, opacity_logits=logits), CAMERA).copy()
         np.testing.assert_array_equal(engine.draw(replace(raw, colors=colors), CAMERA), without)
     renderer.close()
+
+
+def test_the_memory_for_splats_that_fill_the_picture_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    raw = RawGaussians(
+        positions=np.zeros((COUNT, 3), np.float32),
+        wxyz=np.tile(np.float32([1, 0, 0, 0]), (COUNT, 1)),
+        log_scales=np.zeros((COUNT, 3), np.float32),
+        opacity_logits=np.zeros(COUNT, np.float32),
+        colors=np.ones((COUNT, 3), np.float32),
+    )
+    engine = SoftwareEngine()
+    engine.draw(raw, CAMERA)
+    monkeypatch.setattr("gemheads.render.software.MOST_PAIRS", 2 * COUNT)
+    with pytest.raises(ValueError, match="too large for a head"):
+        engine.draw(raw, CAMERA)
