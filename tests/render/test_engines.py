@@ -167,6 +167,7 @@ def test_warming_compiles_what_drawing_needs() -> None:
     kernels = (
         software._project,
         software.count_pairs,
+        software.run_of_tiles,
         software.fill_pairs,
         software._rasterise,
         software.front_to_back,
