@@ -10,7 +10,7 @@ from typing import Any
 import av
 import numpy as np
 
-from ..models.mediafile import duration_of, open_media, pixel_aspect_of, rate_of, start_of
+from ..models.mediafile import decoded, duration_of, first_video, open_media, pixel_aspect_of, rate_of, start_of
 from ..models.videopicture import upright_rgb
 from .audio import sound_track
 from .errors import InputError
@@ -129,14 +129,12 @@ def open_container(path: Path) -> Any:
 
 def video_stream(container: Any, path: Path) -> Any:
     """The first stream that is a video and no cover picture. Raises InputError without one."""
-    attached = getattr(av.stream.Disposition, "attached_pic", 0)
-    for stream in container.streams.video:
-        if stream.disposition & attached:
-            continue
-        if stream.codec_context is None:
-            raise InputError(f"{path}: its video is of a kind that cannot be decoded here; convert it to H.264 in mp4")
-        return stream
-    raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
+    stream = first_video(container)
+    if stream is None:
+        raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
+    if stream.codec_context is None:
+        raise InputError(f"{path}: its video is of a kind that cannot be decoded here; convert it to H.264 in mp4")
+    return stream
 
 
 @contextmanager
@@ -152,12 +150,3 @@ def _expected_frames(container: Any, stream: Any, rate: Fraction) -> int | None:
     """By duration where it is known: the stream's own count includes what an edit list cuts away."""
     seconds = duration_of(container, stream)
     return round(seconds * rate) if seconds else stream.frames or None
-
-
-def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
-    """The stream's pictures; a packet that cannot be decoded is passed over, the next ones still count."""
-    for packet in container.demux(stream):
-        try:
-            yield from packet.decode()
-        except av.error.InvalidDataError:
-            continue

@@ -1,9 +1,10 @@
-"""Opening videos of unknown origin: plain containers only, and nothing but the one file.
+"""Opening videos of unknown origin: plain containers only, and nothing but the one file; what all who read them share.
 
 FFmpeg tells formats by their content: what is called clip.mp4 may be a playlist that names addresses on the network or
 other files of this machine. Such formats are not read, and no protocol but that of local files is spoken.
 """
 
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,12 @@ def open_media(path: Path) -> Any:
         if stream.codec_context is not None:
             stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
     return container
+
+
+def first_video(container: Any) -> Any | None:
+    """The first stream that is a video and no cover picture; its ``codec_context`` is None where nothing decodes it."""
+    attached = getattr(av.stream.Disposition, "attached_pic", 0)
+    return next((stream for stream in container.streams.video if not stream.disposition & attached), None)
 
 
 def rate_of(stream: Any) -> Fraction:
@@ -63,3 +70,12 @@ def pixel_aspect_of(stream: Any) -> Fraction:
     """Width over height of a video stream's pixels; 1 where it says nothing, or nothing of use."""
     aspect = stream.sample_aspect_ratio
     return Fraction(aspect) if aspect and 1 / MAX_PIXEL_ASPECT <= aspect <= MAX_PIXEL_ASPECT else Fraction(1)
+
+
+def decoded(container: Any, stream: Any) -> Iterator[av.VideoFrame]:
+    """The stream's pictures; a packet that cannot be decoded is passed over, the next ones still count."""
+    for packet in container.demux(stream):
+        try:
+            yield from packet.decode()
+        except av.error.InvalidDataError:
+            continue

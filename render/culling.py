@@ -9,7 +9,7 @@ _INF = np.float32(np.inf)
 
 
 @numba.njit(cache=True, inline="always")
-def is_sane(position, wxyz, log_scales, logit):
+def is_sane(position, wxyz, log_scales, logit, color):
     """Whether a raw splat is finite and within the limits of ``projection``. Comparisons with NaN are false, which
     refuses it; the kernels that use this must therefore not be compiled with ``nnan``."""
     length = wxyz[0] * wxyz[0] + wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]
@@ -25,6 +25,9 @@ def is_sane(position, wxyz, log_scales, logit):
         and log_scales[2] <= LOG_SCALE_MAX
         and length < _INF
         and abs(logit) < _INF
+        and abs(color[0]) < _INF
+        and abs(color[1]) < _INF
+        and abs(color[2]) < _INF
     )
 
 
@@ -36,14 +39,14 @@ def view_depth(position, row):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def view_depths(positions, wxyz, log_scales, logits, row, depths):
+def view_depths(positions, wxyz, log_scales, logits, colors, row, depths):
     """Write each splat's distance from the camera's plane in metres into ``depths`` [N], 0 where it is not drawn.
 
     ``row`` is the third of world_to_camera; it and ``depths`` are float64. The arrays are those of RawGaussians.
     """
     for i in range(len(positions)):
         depths[i] = 0
-        if is_sane(positions[i], wxyz[i], log_scales[i], logits[i]):
+        if is_sane(positions[i], wxyz[i], log_scales[i], logits[i], colors[i]):
             depths[i] = view_depth(positions[i], row)
             if depths[i] < NEAR:
                 depths[i] = 0

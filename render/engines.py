@@ -136,7 +136,7 @@ class FastestEngine:
             self._lost = f" ({self._used.name} failed: {error})"
             self._drop(self._used.name)
             return self.draw(raw, camera)
-        if FastestEngine._decided is None:
+        if FastestEngine._decided is None and len(self._engines) > 1:
             self._seconds[self._used.name].append(time.perf_counter() - started)
         return picture
 

@@ -22,6 +22,7 @@ from .tiles import (
     lit_rows,
     power_of_256,
     reached_rows,
+    run_of_tiles,
     tile_of,
     write_reach,
 )
@@ -36,8 +37,9 @@ _RECORD = 10
 """Numbers that are kept of a projected splat."""
 _EXACT = {"contract", "reassoc", "arcp", "nsz"}
 """fastmath that knows of NaN and infinity."""
-MOST_PAIRS = 2**26
-"""Of a splat and a tile that it reaches: they take 256 MiB. A head in a portrait comes to a thousandth of it."""
+_PAIRS = 2**24
+"""So many pairs of a splat and a tile that it reaches are held at a time: 64 MiB. A picture that has more is drawn in
+runs of tiles; a head in a portrait has a hundredth of it."""
 
 
 class SoftwareEngine:
@@ -62,16 +64,15 @@ class SoftwareEngine:
     def draw(self, raw: RawGaussians, camera: Camera) -> NDArray[np.float32]:
         """The picture [H, W, 4], premultiplied sRGB-encoded RGBA in [0, 1] on transparent ground.
 
-        The array belongs to the engine and is overwritten by the next frame. Splats whose position, rotation, scale or
-        opacity is not finite, or absurdly large, are left out, as are those nearer than ``projection.NEAR``; colours
-        are taken as they are. Raises ValueError where the splats reach more than MOST_PAIRS tiles.
+        The array belongs to the engine and is overwritten by the next frame. Splats that are not finite or absurdly
+        large are left out, as are those nearer than ``projection.NEAR``.
         """
         started, threads = time.perf_counter(), numba.get_num_threads()
         self._fit(len(raw), camera)
         raw = packed(raw)
         matrix = camera.world_to_camera.astype(np.float32)
         lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float32)
-        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
+        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits, raw.colors)
         _project(
             *splats,
             matrix,
@@ -88,15 +89,15 @@ class SoftwareEngine:
         columns, rows = -(-camera.width // TILE), -(-camera.height // TILE)
         ends = np.empty(columns * rows + 1, np.int64)
         count_pairs(self._depths, self._spans, columns, rows, ends)
-        if ends[-1] > MOST_PAIRS:
-            raise ValueError(
-                f"{visible} splats reach {ends[-1]} tiles of this picture together, more than {MOST_PAIRS}: they are"
-                " too large for a head; draw a smaller picture, or use engine quads"
-            )
-        if ends[-1] > len(self._pairs):
-            self._pairs = np.empty(int(ends[-1] * 1.3), np.int32)
-        fill_pairs(self._orders[0], visible, self._spans, columns, ends, self._pairs)
-        _rasterise(self._pairs, ends, self._records, raw.colors, columns, rows, self._image, threads)
+        room = min(int(ends[-1] * 1.3), max(_PAIRS, len(raw)))
+        if room > len(self._pairs):
+            self._pairs = np.empty(room, np.int32)
+        first = 0
+        while first < columns * rows:
+            last = run_of_tiles(ends, first, _PAIRS)
+            fill_pairs(self._orders[0], visible, self._spans, columns, ends, first, last, self._pairs)
+            _rasterise(self._pairs, ends, first, last, self._records, raw.colors, columns, self._image, threads)
+            first = last
         drawn = time.perf_counter()
         self.timings = {"project": projected - started, "sort": sorted_ - projected, "draw": drawn - sorted_}
         return self._image
@@ -108,11 +109,12 @@ class SoftwareEngine:
         ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
         doubles = numba.types.Array(numba.float64, 1, "C")
         signatures = (
-            (_project, (triple, triple, triple, flat, triple, doubles, flat, triple, ints, doubles, whole)),
+            (_project, (triple, triple, triple, flat, triple, triple, doubles, flat, triple, ints, doubles, whole)),
             (front_to_back, (doubles, ints)),
             (count_pairs, (doubles, ints, whole, whole, ends)),
-            (fill_pairs, (pairs, whole, ints, whole, ends, pairs)),
-            (_rasterise, (pairs, ends, triple, triple, whole, whole, wide, whole)),
+            (run_of_tiles, (ends, whole, whole)),
+            (fill_pairs, (pairs, whole, ints, whole, ends, whole, whole, pairs)),
+            (_rasterise, (pairs, ends, whole, whole, triple, triple, whole, wide, whole)),
         )
         for kernel, types in signatures:
             _compile(kernel, types)
@@ -135,19 +137,21 @@ def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_EXACT, error_model="numpy")
-def _project(positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths, threads):
+def _project(positions, wxyz, log_scales, logits, colors, matrix, row, lens, records, spans, depths, threads):
     """``_project_some`` for all splats."""
     counter = np.zeros(1, np.int64)
     for _ in numba.prange(threads):
         first = fetch_add(counter, _SPLATS)
         while first < len(positions):
             last = min(first + _SPLATS, len(positions))
-            _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths)
+            _project_some(
+                first, last, positions, wxyz, log_scales, logits, colors, matrix, row, lens, records, spans, depths
+            )
             first = fetch_add(counter, _SPLATS)
 
 
 @numba.njit(cache=True, fastmath=_EXACT, error_model="numpy", inline="always")
-def _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row, lens, records, spans, depths):
+def _project_some(first, last, positions, wxyz, log_scales, logits, colors, matrix, row, lens, records, spans, depths):
     """Activation and EWA projection of the splats from ``first`` to before ``last``.
 
     A record: centre x y, conic a b c in powers of 256, opacity, and what ``reached_rows`` needs. A span: first and last
@@ -157,7 +161,7 @@ def _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row,
     for i in range(first, last):
         depths[i] = 0
         px, py, pz = positions[i, 0], positions[i, 1], positions[i, 2]
-        if not is_sane(positions[i], wxyz[i], log_scales[i], logits[i]):
+        if not is_sane(positions[i], wxyz[i], log_scales[i], logits[i], colors[i]):
             continue
         l0, l1, l2 = log_scales[i, 0], log_scales[i, 1], log_scales[i, 2]
         qw, qx, qy, qz, logit = wxyz[i, 0], wxyz[i, 1], wxyz[i, 2], wxyz[i, 3], logits[i]
@@ -237,21 +241,23 @@ def _project_some(first, last, positions, wxyz, log_scales, logits, matrix, row,
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True, error_model="numpy")
-def _rasterise(pairs, ends, records, colors, columns, rows, image, threads):
-    """``_draw_tile`` for all tiles."""
-    tiles = columns * rows
+def _rasterise(pairs, ends, begin, end, records, colors, columns, image, threads):
+    """``_draw_tile`` for the tiles from ``begin`` to before ``end``, whose pairs ``fill_pairs`` wrote."""
+    tiles = end - begin
     counter = np.zeros(1, np.int64)
     for _ in numba.prange(threads):
         first = fetch_add(counter, _TILES)
         while first < tiles:
             for turn in range(first, min(first + _TILES, tiles)):
-                _draw_tile(tile_of(turn, tiles), pairs, ends, records, colors, columns, image)
+                tile = begin + tile_of(turn, tiles)
+                own = pairs[ends[tile] - ends[begin] : ends[tile + 1] - ends[begin]]
+                _draw_tile(tile, own, records, colors, columns, image)
             first = fetch_add(counter, _TILES)
 
 
 @numba.njit(cache=True, fastmath=True, error_model="numpy", inline="always")
-def _draw_tile(tile, pairs, ends, records, colors, columns, image):
-    """Write the pixels of one tile: its splats from front to back, until no light is left."""
+def _draw_tile(tile, splats, records, colors, columns, image):
+    """Write the pixels of one tile: its splats, given from front to back, until no light is left."""
     height, width = image.shape[:2]
     x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
     # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
@@ -263,19 +269,19 @@ def _draw_tile(tile, pairs, ends, records, colors, columns, image):
             state[y, x] = 1
     first, last = 0, TILE - 1
     reached = np.empty((_RUN, 2), np.int32)
-    for begin in range(ends[tile], ends[tile + 1], _RUN):
+    for begin in range(0, len(splats), _RUN):
         first, last = lit_rows(state, first, last)
         if first > last:
             break
-        count = min(_RUN, ends[tile + 1] - begin)
+        count = min(_RUN, len(splats) - begin)
         # for a run at once: the rows of the next splat are known before they are needed
         for k in range(count):
-            i = pairs[begin + k]
+            i = splats[begin + k]
             dx0, dy0 = _F(x0) + _F(0.5) - records[i, 0], _F(y0) + _F(0.5) - records[i, 1]
             top, bottom = reached_rows(dx0, dy0, records[i, 6:])
             reached[k, 0], reached[k, 1] = max(top, first), min(bottom, last)
         for k in range(count):
-            i = pairs[begin + k]
+            i = splats[begin + k]
             cx, cy, a, b, c, opacity = (
                 records[i, 0],
                 records[i, 1],

@@ -97,7 +97,7 @@ class SplatRenderer:
         flat, wide = (numba.types.Array(numba.float32, n, "C") for n in (1, 2))
         doubles, ints = numba.types.Array(numba.float64, 1, "C"), numba.types.Array(numba.int32, 2, "C")
         kernels: tuple[tuple[Any, tuple[Any, ...]], ...] = (
-            (view_depths, (wide, wide, wide, flat, doubles, doubles)),
+            (view_depths, (wide, wide, wide, flat, wide, doubles, doubles)),
             (front_to_back, (doubles, ints)),
         )
         for kernel, types in kernels:
@@ -117,7 +117,7 @@ class SplatRenderer:
         if len(self._depths) != len(raw):
             self._depths = np.empty(len(raw))
             self._orders = np.empty((2, len(raw)), np.int32)
-        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits)
+        splats = (raw.positions, raw.wxyz, raw.log_scales, raw.opacity_logits, raw.colors)
         view_depths(*splats, np.ascontiguousarray(camera.world_to_camera[2]), self._depths)
         visible = front_to_back(self._depths, self._orders)
         return np.ascontiguousarray(self._orders[0, :visible][::-1]).view(np.uint32)

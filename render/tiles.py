@@ -46,16 +46,26 @@ def count_pairs(depths, spans, columns, rows, ends):
 
 
 @numba.njit(cache=True)
-def fill_pairs(order, visible, spans, columns, ends, pairs):
-    """Write each tile's splats, in the order of ``order``, into ``pairs`` from ends[tile] to ends[tile + 1]."""
-    place = ends[:-1].copy()
+def fill_pairs(order, visible, spans, columns, ends, first, last, pairs):
+    """Write the splats of each tile from ``first`` to before ``last``, in the order of ``order``, into ``pairs``: from
+    ends[tile] to ends[tile + 1], less ends[first]."""
+    place = ends[first:last] - ends[first]
     for j in range(visible):
         left, right, top, bottom = spans[order[j]]
-        for row in range(top, bottom + 1):
-            for column in range(left, right + 1):
-                tile = row * columns + column
-                pairs[place[tile]] = order[j]
-                place[tile] += 1
+        for row in range(max(top, first // columns), min(bottom, (last - 1) // columns) + 1):
+            begin = row * columns
+            for tile in range(max(begin + left, first), min(begin + right + 1, last)):
+                pairs[place[tile - first]] = order[j]
+                place[tile - first] += 1
+
+
+@numba.njit(cache=True)
+def run_of_tiles(ends, first, most):
+    """The tile before which a run that begins with tile ``first`` ends: it has at most ``most`` pairs, or one tile."""
+    last = first + 1
+    while last + 1 < len(ends) and ends[last + 1] - ends[first] <= most:
+        last += 1
+    return last
 
 
 @numba.njit(cache=True, inline="always")

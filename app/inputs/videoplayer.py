@@ -9,10 +9,10 @@ from typing import Any
 
 import av
 
-from ...models.mediafile import duration_of, pixel_aspect_of, rate_of
+from ...models.mediafile import decoded, duration_of, pixel_aspect_of, rate_of
 from ...models.videopicture import upright_rgb
 from ..frames import Frame
-from ..video import decoded, open_container, video_stream
+from ..video import open_container, video_stream
 from .source import Kind, SourceLost, TimedFrame
 from .transport import Playhead
 

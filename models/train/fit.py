@@ -2,7 +2,7 @@
 
 The unknowns are whitened: coefficients in sigmas from rest, turns and moves in steps that change a picture about as
 much. L-BFGS on squared differences with a prior on them comes first, for the pose alone, then for all;
-then Adam on L1 and SSIM.
+where time does not matter, then Adam on L1 and SSIM.
 """
 
 import time
@@ -49,15 +49,16 @@ class Effort:
     """How long to look."""
 
     stages: tuple[Stage, ...]
-    adam_steps: int
+    adam_steps: int = 0
+    """Taken last; the best of their points is kept. A few bring nothing: the time is spent better on L-BFGS."""
     adam_rate: float = 0.02
     """Sigmas a step, at first; it falls to nothing."""
 
 
-FIRST = Effort((Stage(64, 4, pose_only=True), Stage(None, 32)), adam_steps=1)
+FIRST = Effort((Stage(64, 4, pose_only=True), Stage(None, 33)))
 """A picture of which nothing is known: below 1 s at 15,000 splats and 256 x 256 on two cores. Only the pose is sought
 on a coarse picture: splats are widened by a part of a pixel, so the expression seen there is another."""
-NEXT = Effort((Stage(None, 7),), adam_steps=1)
+NEXT = Effort((Stage(None, 8),))
 """A picture that follows one already fitted, with its memory: below 0.3 s."""
 THOROUGH = Effort((Stage(64, 12, pose_only=True), Stage(None, 80)), adam_steps=40)
 """What a few seconds more give."""
@@ -99,7 +100,7 @@ class Fit:
     energies: tuple[float, ...]
     """The objective of L-BFGS after each stage: squared difference in units of NOISE, and the prior."""
     losses: tuple[float, ...]
-    """L1 and SSIM of each step of Adam."""
+    """L1 and SSIM before Adam and after each of its steps; empty where it takes none."""
     psnr: float
     """Decibels of the fitted pictures against the given ones."""
     pictures: tuple[Floats, ...]
@@ -231,19 +232,24 @@ def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -
 
 
 def _adam(problem: _Problem, unknown: Tensor, effort: Effort) -> tuple[float, ...]:
+    """Adam, in place; returns the losses."""
+    if not effort.adam_steps:
+        return ()
     free = unknown.clone().requires_grad_()
     optimizer = torch.optim.Adam([free], lr=effort.adam_rate, betas=(0.9, 0.99))
     losses: list[float] = []
-    for step in range(effort.adam_steps):
-        optimizer.param_groups[0]["lr"] = effort.adam_rate * (1 - step / effort.adam_steps)
+    for step in range(effort.adam_steps + 1):
         splats = problem.compose(free)
         terms = [photometric(problem.draw(free, view, splats), view.picture) for view in problem.views]
         loss = torch.stack(terms).mean()
-        # the prior keeps its place beside a loss that is no longer squared: both are small near the end
-        (free.grad,) = torch.autograd.grad(loss + NOISE * problem.distance(free), [free])
         if not losses or float(loss.detach()) < min(losses):
             unknown[:] = free.detach()
         losses.append(float(loss.detach()))
+        if step == effort.adam_steps:
+            break
+        # the prior keeps its place beside a loss that is no longer squared: both are small near the end
+        (free.grad,) = torch.autograd.grad(loss + NOISE * problem.distance(free), [free])
+        optimizer.param_groups[0]["lr"] = effort.adam_rate * (1 - step / effort.adam_steps)
         optimizer.step()
     return tuple(losses)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..driver.face import FaceTracker
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..driver.neutral import choose_neutral
-from ..mediafile import open_media, pixel_aspect_of
+from ..mediafile import decoded, first_video, open_media, pixel_aspect_of
 from ..videopicture import upright_rgb
 
 EVERY_SECS = 0.1
@@ -36,15 +36,18 @@ def _read(path: Path) -> NDArray[np.float32]:
     tracker, faces, times = FaceTracker(), [], []
     try:
         with open_media(path) as container:
-            pixel_aspect = pixel_aspect_of(container.streams.video[0])
-            for frame in container.decode(video=0):
+            stream = first_video(container)
+            if stream is None or stream.codec_context is None:
+                raise ValueError(f"there is no video in {path} that can be decoded; leave it out or convert it to mp4")
+            pixel_aspect = pixel_aspect_of(stream)
+            for frame in decoded(container, stream):
                 if times and frame.time is not None and frame.time - times[-1] < EVERY_SECS:
                     continue
                 face = tracker.track(upright_rgb(frame, pixel_aspect))
                 if face is not None:
                     faces.append(face)
                     times.append(frame.time or 0.0)
-    except (av.error.FFmpegError, OSError, IndexError) as error:
+    except (av.error.FFmpegError, OSError) as error:
         raise ValueError(f"{path} cannot be read as a video: {error}") from error
     if not faces:
         raise ValueError(f"no face was found in {path}; leave it out or give another video")

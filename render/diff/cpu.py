@@ -47,7 +47,7 @@ class _Splatting(torch.autograd.Function):
         ends = np.empty(columns * rows + 1, np.int64)
         count_pairs(depths, spans, columns, rows, ends)
         pairs = np.empty(int(ends[-1]), np.int32)
-        fill_pairs(orders[0], visible, spans, columns, ends, pairs)
+        fill_pairs(orders[0], visible, spans, columns, ends, 0, columns * rows, pairs)
         image = torch.empty(height, width, 4 if background is None else 3)
         bands = np.empty((len(pairs), 2), np.uint8)
         lights = np.empty((columns * rows, TILE, 2 * TILE), np.float32)

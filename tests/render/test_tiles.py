@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from gemheads.render.projection import ALPHA_MIN, TRANSMITTANCE_MIN
-from gemheads.render.tiles import TILE, count_pairs, fill_pairs, lit_rows, reached_rows, write_reach
+from gemheads.render.tiles import TILE, count_pairs, fill_pairs, lit_rows, reached_rows, run_of_tiles, write_reach
 
 OPACITY = 0.9
 REACH = np.float32(np.sqrt(2 * np.log(OPACITY / ALPHA_MIN)))
@@ -53,7 +53,8 @@ def test_rows_without_light_are_left_out_at_both_ends() -> None:
     assert lit_rows(state, 4, TILE - 1) == (7, 7)
 
 
-def test_every_tile_gets_the_splats_that_touch_it_in_their_order() -> None:
+@pytest.mark.parametrize("most", [1, 400, 10**6])
+def test_every_tile_gets_the_splats_that_touch_it_in_their_order(most: int) -> None:
     rng = np.random.default_rng(1)
     columns, rows, count = 7, 5, 200
     spans = np.sort(rng.integers(0, (columns, columns, rows, rows), (count, 4), dtype=np.int32).reshape(-1, 2, 2))
@@ -61,10 +62,16 @@ def test_every_tile_gets_the_splats_that_touch_it_in_their_order() -> None:
     order = rng.permutation(np.flatnonzero(depths)).astype(np.int32)
     ends = np.empty(columns * rows + 1, np.int64)
     count_pairs(depths, spans.reshape(-1, 4), columns, rows, ends)
-    pairs = np.empty(ends[-1], np.int32)
-    fill_pairs(order, len(order), spans.reshape(-1, 4), columns, ends, pairs)
-    for tile in range(columns * rows):
-        row, column = divmod(tile, columns)
-        (left, right), (top, bottom) = spans[order, 0].T, spans[order, 1].T
-        touching = order[(left <= column) & (column <= right) & (top <= row) & (row <= bottom)]
-        np.testing.assert_array_equal(pairs[ends[tile] : ends[tile + 1]], touching)
+    first = 0
+    while first < columns * rows:
+        last = run_of_tiles(ends, first, most)
+        assert first < last <= columns * rows
+        pairs = np.empty(ends[last] - ends[first], np.int32)
+        assert len(pairs) <= most or last == first + 1
+        fill_pairs(order, len(order), spans.reshape(-1, 4), columns, ends, first, last, pairs)
+        for tile in range(first, last):
+            row, column = divmod(tile, columns)
+            (left, right), (top, bottom) = spans[order, 0].T, spans[order, 1].T
+            touching = order[(left <= column) & (column <= right) & (top <= row) & (row <= bottom)]
+            np.testing.assert_array_equal(pairs[ends[tile] - ends[first] : ends[tile + 1] - ends[first]], touching)
+        first = last
