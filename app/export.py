@@ -10,8 +10,10 @@ from ..models import arkit
 from ..models.gem import Gem
 from ..models.ply import save_ply
 from ..models.posing import pose_head
+from ..models.wholefile import file_sha256
 from .casting import check_components, check_track, open_avatar
 from .errors import InputError, OutputError, UsageError
+from .leftovers import take_over
 from .performance import Pose
 from .tracks import load_track
 
@@ -35,6 +37,7 @@ def export_track(avatar: Path, track: Path, out: Path, components: int | None = 
     check_components(opened, components)
     performance = load_track(track)
     check_track(opened, performance, track)
+    take_over(out, ".ply", {"avatar": opened.sha256, "track": file_sha256(track), "components": str(components)})
     shots = ((out / f"frame_{i:06d}.ply", pose) for i, pose in enumerate(performance.poses))
     _write(opened.gem, shots, components)
 

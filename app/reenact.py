@@ -1,14 +1,16 @@
 """Reenactment: drivers in, one acting avatar out for each."""
 
+import hashlib
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, Literal
 
 from ..models.driver.face import FaceTracker
+from ..models.wholefile import file_sha256
 from ..render.engines import Engine, open_engine
 from .badge import badged
 from .beside import beside_width, side_by_side
@@ -19,6 +21,7 @@ from .credentials.statement import Statement
 from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError, brief
 from .following import Actor
 from .frames import Frame
+from .leftovers import take_over
 from .live import Image, Stage, perform, run_offline
 from .neutrals import AUTO, NeutralRule, find_neutral, said
 from .origin import origin_of
@@ -27,7 +30,7 @@ from .performance import Pose
 from .portrait import portrait
 from .progress import ProgressBar
 from .reports import Outcome, Tally, write_report
-from .sinks import FolderSink, Sink, VideoSink, is_whole, video_codec
+from .sinks import TIMES_FILE, FolderSink, Sink, VideoSink, is_whole, video_codec
 from .sources import Source, files_of, open_source
 from .threads import ahead
 from .timing import Stopwatch
@@ -57,6 +60,12 @@ class Wish:
     """Why the SYNTHETIC badge is left out; empty draws it."""
     name_driver: bool = False
     """Whether the driver's file name goes into the credentials."""
+
+    def settings(self) -> dict[str, str]:
+        """What decides how results look, beside the files that are named and the neutral that is found."""
+        others = {"avatar", "track", "neutral", "resume", "engine"}
+        names = [part.name for part in fields(self) if part.name not in others]
+        return {name.replace("_", " "): str(getattr(self, name)) for name in names}
 
 
 @dataclass(frozen=True)
@@ -191,6 +200,7 @@ class _Run:
         self.tally = Tally()
         self.watch = Stopwatch()
         self.neutral: dict[str, Any] = {}
+        self._neutral_sha256 = ""
         self.credentials = ""
         self.first_frame_secs = self.seconds = 0.0
         self.left: Path | None = None
@@ -238,6 +248,7 @@ class _Run:
         with self.watch("neutral"):
             neutral = find_neutral(self._wish.neutral, source, self._cast.tracker)
         self._bar.say(f"{source.path}: neutral: {said(neutral, self._wish.neutral)}")
+        self._neutral_sha256 = hashlib.sha256(neutral.features.tobytes() + neutral.rotation.tobytes()).hexdigest()
         self.neutral = {
             "rule": self._wish.neutral.kind,
             "seconds": round(neutral.time, 3),
@@ -261,11 +272,26 @@ class _Run:
     ) -> Sink:
         transparent = self._wish.background is None
         if not is_video(self._result):
-            return FolderSink(self._result, time_base, self._wish.resume, papers.signed_png)
+            made_of = self._made_of(source)
+            kept, why_not = take_over(self._result, ".png", made_of, self._wish.resume, [TIMES_FILE])
+            if why_not:
+                self._bar.say(why_not)
+            return FolderSink(self._result, time_base, kept, papers.signed_png)
         audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
         if isinstance(source, VideoFile) and source.has_unreadable_audio:
             self._bar.say(f"{source.path}: its sound is of a kind that cannot be read here; the result has none")
         return VideoSink(self._result, size, time_base, rate, transparent, audio)
+
+    def _made_of(self, source: Source | None) -> dict[str, str]:
+        """Everything that decides what the pictures show; engines draw alike."""
+        track = self._wish.track
+        return {
+            "avatar": self._cast.avatar.sha256,
+            "driver": _sha256(files_of(str(source.path))) if source else "",
+            "track": file_sha256(track) if track else "",
+            "neutral": self._neutral_sha256,
+            **self._wish.settings(),
+        }
 
     def _tell(self, index: int, pose: Pose) -> None:
         if index == 0:
@@ -280,6 +306,11 @@ def _papers(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) ->
         return Papers(None, Statement((), driver_of(None, None)))
     told = driver_of(driver, wish.track, wish.name_driver)
     return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside))
+
+
+def _sha256(files: Iterable[Path]) -> str:
+    """Of all that is in these files, in their order; folders among them are passed over."""
+    return hashlib.sha256("".join(file_sha256(file) for file in files if file.is_file()).encode()).hexdigest()
 
 
 def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:

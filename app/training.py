@@ -1,10 +1,10 @@
 """Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from ..models.gemfile import read_info, save_gem
+from ..models.gemfile import load_gem, read_info, save_gem
 from .errors import ExitCode, InputError
 from .places import check_places, save_learned
 from .progress import ProgressBar
@@ -53,4 +53,22 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
         f"{out}: regressor trained on {report.pictures} pictures; the avatar's response is known to"
         f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
     )
+    return ExitCode.OK
+
+
+def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
+    """Save an avatar with what ``former`` has learned. Raises InputError and OutputError."""
+    try:
+        from ..models.train.takeover import taken_over
+    except ImportError as error:
+        raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
+    out = out or avatar
+    check_places(out)
+    try:
+        gem = load_gem(avatar)
+        gem = replace(gem, regressor=taken_over(load_gem(former), gem))
+    except ValueError as error:  # a GemFormatError or a RegressorError
+        raise InputError(str(error)) from error
+    save_learned(partial(save_gem, gem, basis=read_info(avatar).card.basis), out)
+    print(f"{out}: has what {former} has learned")
     return ExitCode.OK

@@ -167,6 +167,7 @@ def train_regressor(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
     rehearse_with: str | None = None,
+    take_over: str | None = None,
     pictures: int = 4000,
     steps: int | None = None,
     seed: int = 0,
@@ -184,6 +185,8 @@ def train_regressor(
         companions: Other avatars, which play strangers. Default: the other shipped ones.
         rehearse_with: An avatar with ARKit shapes and a regressor: what it would answer is what this one acts first, to
             learn how that reads on it. Default: what it has learned before, if it has.
+        take_over: An avatar with ARKit shapes and a regressor: this one does what it has learned, and nothing is
+            trained; for an avatar that was baked anew and reads as before.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps of a network. Default: 3,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
@@ -196,9 +199,13 @@ def train_regressor(
     from ..library import avatars, find_avatar
     from ..opencapture import is_capture
     from ..owntraining import OwnWish, run_own_training
-    from ..training import TrainingWish, run_training
+    from ..training import TrainingWish, run_taking_over, run_training
 
     path = find_avatar(avatar)
+    if take_over is not None:
+        if sources or rehearse_with or labels or report or strip:
+            raise UsageError("--take-over trains nothing; leave out captures, videos and what else training takes")
+        return run_taking_over(path, out, find_avatar(take_over))
     others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
     if companions is not None:
         others = [find_avatar(name) for name in companions]

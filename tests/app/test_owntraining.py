@@ -42,6 +42,11 @@ def test_a_person_with_frames_needs_no_rehearsal(capture: Path, capsys: pytest.C
     assert "--rehearse-with does not go with a capture" in capsys.readouterr().err
 
 
+def test_taking_over_learns_from_nothing(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train-regressor", "mara", str(capture), "--take-over", "theo"]) == ExitCode.USAGE
+    assert "--take-over trains nothing" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("option", ["--labels", "--report", "--strip"])
 def test_what_needs_a_capture_says_so(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train-regressor", "mara", option, str(tmp_path / "x")]) == ExitCode.USAGE
