@@ -250,14 +250,15 @@ def _rasterise(pairs, ends, begin, end, records, colors, columns, image, threads
         while first < tiles:
             for turn in range(first, min(first + _TILES, tiles)):
                 tile = begin + tile_of(turn, tiles)
-                own = pairs[ends[tile] - ends[begin] : ends[tile + 1] - ends[begin]]
-                _draw_tile(tile, own, records, colors, columns, image)
+                start, stop = ends[tile] - ends[begin], ends[tile + 1] - ends[begin]
+                _draw_tile(tile, pairs, start, stop, records, colors, columns, image)
             first = fetch_add(counter, _TILES)
 
 
 @numba.njit(cache=True, fastmath=True, error_model="numpy", inline="always")
-def _draw_tile(tile, splats, records, colors, columns, image):
-    """Write the pixels of one tile: its splats, given from front to back, until no light is left."""
+def _draw_tile(tile, pairs, start, stop, records, colors, columns, image):
+    """Write the pixels of one tile: its splats from front to back, until no light is left; ``pairs`` has them from
+    ``start`` to before ``stop``."""
     height, width = image.shape[:2]
     x0, y0 = (tile % columns) * TILE, (tile // columns) * TILE
     # light, red, green, blue side by side: one array, so that the compiler sees that they do not overlap
@@ -269,19 +270,19 @@ def _draw_tile(tile, splats, records, colors, columns, image):
             state[y, x] = 1
     first, last = 0, TILE - 1
     reached = np.empty((_RUN, 2), np.int32)
-    for begin in range(0, len(splats), _RUN):
+    for begin in range(start, stop, _RUN):
         first, last = lit_rows(state, first, last)
         if first > last:
             break
-        count = min(_RUN, len(splats) - begin)
+        count = min(_RUN, stop - begin)
         # for a run at once: the rows of the next splat are known before they are needed
         for k in range(count):
-            i = splats[begin + k]
+            i = pairs[begin + k]
             dx0, dy0 = _F(x0) + _F(0.5) - records[i, 0], _F(y0) + _F(0.5) - records[i, 1]
             top, bottom = reached_rows(dx0, dy0, records[i, 6:])
             reached[k, 0], reached[k, 1] = max(top, first), min(bottom, last)
         for k in range(count):
-            i = splats[begin + k]
+            i = pairs[begin + k]
             cx, cy, a, b, c, opacity = (
                 records[i, 0],
                 records[i, 1],

@@ -50,9 +50,10 @@ def fill_pairs(order, visible, spans, columns, ends, first, last, pairs):
     """Write the splats of each tile from ``first`` to before ``last``, in the order of ``order``, into ``pairs``: from
     ends[tile] to ends[tile + 1], less ends[first]."""
     place = ends[first:last] - ends[first]
+    highest, lowest = first // columns, (last - 1) // columns
     for j in range(visible):
         left, right, top, bottom = spans[order[j]]
-        for row in range(max(top, first // columns), min(bottom, (last - 1) // columns) + 1):
+        for row in range(max(top, highest), min(bottom, lowest) + 1):
             begin = row * columns
             for tile in range(max(begin + left, first), min(begin + right + 1, last)):
                 pairs[place[tile - first]] = order[j]
