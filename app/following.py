@@ -145,7 +145,7 @@ def take_on(actor: Actor, memory: Memory, coefficients: Floats, turn: Floats, dt
         expression=step(actor.expression_filter, memory.expression, sigmas, dt),
         turn=step(actor.turn_filter, memory.turn, turn * actor.turn_gain, dt),
         translation=np.zeros(3, np.float32),
-        clamped=float((np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma).mean()),
+        clamped=np.count_nonzero(np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma) / max(1, len(coefficients)),
     )
 
 

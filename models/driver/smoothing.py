@@ -50,7 +50,7 @@ def step(settings: OneEuro, state: Smoothed | None, values: Floats, dt: float) -
         return Smoothed(values, np.zeros_like(values))
     raw_speed = (values - state.value) / dt
     speed = state.speed + _alpha(settings.derivative_cutoff_hz, dt) * (raw_speed - state.speed)
-    pace = np.abs(speed).max() if settings.together else np.abs(speed)
+    pace = np.abs(speed).max(initial=0) if settings.together else np.abs(speed)
     cutoff = settings.min_cutoff_hz + settings.beta * pace  # equation 7
     return Smoothed(state.value + _alpha(cutoff, dt) * (values - state.value), speed)  # equation 1
 

@@ -255,8 +255,9 @@ def _adam(problem: _Problem, unknown: Tensor, effort: Effort) -> tuple[float, ..
 
 
 def limit_share(gem: Gem, coefficients: Floats) -> float:
-    """Share of coefficients at their limit of 3 sigma, in [0, 1]."""
-    return float((np.abs(coefficients) >= CLAMP_SIGMAS * gem.sigma * (1 - 1e-6)).mean())
+    """Share of coefficients at their limit of 3 sigma, in [0, 1]; 0 where there is none."""
+    reached = np.count_nonzero(np.abs(coefficients) >= CLAMP_SIGMAS * gem.sigma * (1 - 1e-6))
+    return reached / max(1, len(coefficients))
 
 
 def error_map(fitted: Floats, picture: NDArray[np.generic], full_scale: float = 0.1) -> NDArray[np.uint8]:

@@ -115,6 +115,16 @@ def test_the_head_turns_as_far_as_the_drivers_and_only_if_wanted() -> None:
     assert play(ScriptedTracker(script), head_pose=False)[-1].turn.tolist() == [0, 0, 0]
 
 
+def test_an_avatar_without_components_turns_its_head() -> None:
+    still, none = GEM.truncated(0), np.zeros(0)
+    tracker = ScriptedTracker([face(turn=(0, 0.3, 0))] * 20)
+    actor = Actor(tracker, neutral_of(face(), 0, 0.0, "made up"), lambda features, turn: none, still, none)  # pyright: ignore[reportArgumentType]
+    frames = [Frame(np.full((48, 64, 3), 90, np.uint8), i, Fraction(1, RATE)) for i in range(20)]
+    last = [pose for _, pose, _ in perform(actor, frames, Stopwatch())][-1]
+    assert last.turn == pytest.approx([0, 0.3, 0], abs=1e-3)
+    assert last.clamped == 0
+
+
 def test_a_jaw_that_only_seems_to_nod_does_not_nod() -> None:
     slopes = np.zeros(GEM.coefficient_count)
     slopes[0] = 0.1 / GEM.sigma[0]

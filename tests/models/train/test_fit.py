@@ -95,6 +95,15 @@ def test_the_prior_holds_back_what_cannot_be_seen() -> None:
     assert limit_share(gem, 3 * gem.sigma) == 1
 
 
+def test_an_avatar_without_components_has_a_pose() -> None:
+    gem = synthetic_gem(300, 0, np.random.default_rng(0))
+    camera = portrait(gem.viewing, 48, 48)
+    picture = taken(gem, gem.rest_coefficients, HeadPose(TURN, MOVE), camera)
+    found = fit(gem, [picture], [camera], effort=Effort((Stage(None, 8, pose_only=True), Stage(None, 8))))
+    assert degrees_apart(found.pose.turn, TURN) < 3
+    assert limit_share(gem, found.coefficients) == 0
+
+
 def test_starts_at_the_rest_of_the_avatar() -> None:
     plain = synthetic_gem(300, 4, np.random.default_rng(0))
     gem = replace(plain, rest=np.full(plain.coefficient_count, 0.5, np.float32))
