@@ -49,12 +49,17 @@ def distill(frames: Iterable[RawGaussians], components: int | Mapping[str, int] 
     """
     wanted = components if isinstance(components, Mapping) else dict.fromkeys(MODALITIES, components)
     with tempfile.TemporaryDirectory(prefix="gemheads-distill-") as folder:
-        ensembles, colors, count = _written(iter(frames), Path(folder))
-        bases: dict[str, Basis] = {}
-        kept: dict[str, NDArray[np.float64]] = {}
-        for name in MODALITIES:
-            bases[name], kept[name] = _principal(ensembles[name], count, wanted[name])
-        return Distilled(bases, kept, count, colors)
+        # a function of its own: a folder with files that are still mapped cannot be removed on Windows
+        return _distilled(iter(frames), wanted, Path(folder))
+
+
+def _distilled(frames: Iterator[RawGaussians], wanted: Mapping[str, int], folder: Path) -> Distilled:
+    ensembles, colors, count = _written(frames, folder)
+    bases: dict[str, Basis] = {}
+    kept: dict[str, NDArray[np.float64]] = {}
+    for name in MODALITIES:
+        bases[name], kept[name] = _principal(ensembles[name], count, wanted[name])
+    return Distilled(bases, kept, count, colors)
 
 
 def _written(

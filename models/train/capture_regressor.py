@@ -91,7 +91,7 @@ def capture_regressor(
     Raises:
         CaptureError: where the tracker sees no neutral face, or the capture changed.
         AvatarNotSeen: where the tracker sees no face in the avatar's picture.
-        ValueError: where the moments belong to none of the pictures.
+        ValueError: where the moments belong to none of the pictures, or no two faces differ.
     """
     rng = np.random.default_rng(effort.seed)
     cameras = frontal_cameras(capture)

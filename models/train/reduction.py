@@ -18,7 +18,8 @@ COMPONENTS = 50
 SIGMA_FLOOR = 1e-3
 """Principal directions with a smaller share of the first one's spread are not whitened, they are dropped."""
 CHANNEL_FLOOR = 1e-3
-"""Least standard deviation by which a channel is divided, in its own unit: what never differs is not stretched."""
+"""Least standard deviation by which a channel, or a block of them, is divided, in its own unit: what never differs is
+not stretched."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,18 @@ class Reduction:
 
 
 def principal_components(features: NDArray[np.float32]) -> Reduction:
-    """Equation 3 on relative features [S, D], every block scaled to the same spread."""
+    """Equation 3 on relative features [S, D], every block that differs scaled to the same spread.
+
+    Raises ValueError where no two of the S differ.
+    """
+    spreads = {name: float(np.sqrt(features[:, block].var(0).sum())) for name, block in BLOCKS.items()}
+    if max(spreads.values()) < CHANNEL_FLOOR:
+        raise ValueError(
+            f"the faces in {len(features)} pictures do not differ: nothing can be learned of them; give more moments"
+        )
     scale = np.ones(features.shape[1])
-    for block in BLOCKS.values():
-        scale[block] = np.sqrt(features[:, block].var(0).sum())
+    for name, block in BLOCKS.items():
+        scale[block] = max(spreads[name], CHANNEL_FLOOR)
     mean = features.mean(0)
     _, spread, directions = np.linalg.svd((features - mean) / scale, full_matrices=False)
     kept = min(COMPONENTS, int(np.count_nonzero(spread > SIGMA_FLOOR * spread[0])))

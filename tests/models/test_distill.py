@@ -1,6 +1,8 @@
 """Distillation against the plain SVD, and what an ensemble can do wrong."""
 
+import tempfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from gemheads.models.gem import CHANNELS, MODALITIES
 from gemheads.render.gaussians import RawGaussians
 
 SPLATS, FRAMES, RANK = 50, 30, 8
+MAPPED = Path("/proc/self/maps")
 VALUES = {"position": "positions", "rotation": "wxyz", "scale": "log_scales", "opacity": "opacity_logits"}
 
 
@@ -145,3 +148,17 @@ def test_what_is_not_finite_is_refused(name: str, attribute: str, bad: float) ->
     frames[3] = replace(frames[3], **{attribute: values})
     with pytest.raises(ValueError, match=f"frame 3 has a {name} that is not finite"):
         distill(frames)
+
+
+@pytest.mark.skipif(not MAPPED.exists(), reason="only Linux tells what is mapped")
+def test_no_file_is_mapped_any_more_when_the_folder_is_removed(monkeypatch: pytest.MonkeyPatch) -> None:
+    mapped = []
+
+    class Watched(tempfile.TemporaryDirectory[str]):
+        def cleanup(self) -> None:
+            mapped.append(self.name in MAPPED.read_text())
+            super().cleanup()
+
+    monkeypatch.setattr(distilling.tempfile, "TemporaryDirectory", Watched)
+    distill(ensemble(), 5)
+    assert mapped == [False]

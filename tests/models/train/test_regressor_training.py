@@ -170,6 +170,18 @@ def test_principal_components_are_whitened_and_drop_what_is_only_rounding() -> N
     np.testing.assert_allclose(np.cov(kappa.T), np.eye(7), atol=1e-3)
 
 
+def test_principal_components_of_features_of_which_some_never_differ() -> None:
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(60, DIMENSION)).astype("f4")
+    features[:, BLOCKS["gaze"]] = 0
+    reduction = principal_components(features)
+    assert np.isfinite(reduction.projection).all()
+    assert not reduction.projection[BLOCKS["gaze"]].any()
+    for alike in (features[:1], np.repeat(features[:1], 5, 0)):
+        with pytest.raises(ValueError, match="do not differ"):
+            principal_components(alike)
+
+
 def test_compared_channels_are_all_that_a_network_of_the_closed_loop_sees() -> None:
     rng = np.random.default_rng(0)
     features = (rng.normal(size=(400, DIMENSION)) * rng.uniform(0.05, 0.5, DIMENSION)).astype("f4")
