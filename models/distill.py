@@ -47,7 +47,7 @@ def distill(frames: Iterable[RawGaussians], components: int | Mapping[str, int] 
     Raises:
         ValueError: without a frame, or where a frame has another number of splats or a value that is not finite.
     """
-    wanted = components if isinstance(components, Mapping) else dict.fromkeys(MODALITIES, components)
+    wanted: Mapping[str, int] = components if isinstance(components, Mapping) else dict.fromkeys(MODALITIES, components)
     with tempfile.TemporaryDirectory(prefix="gemheads-distill-") as folder:
         # a function of its own: a folder with files that are still mapped cannot be removed on Windows
         return _distilled(iter(frames), wanted, Path(folder))
