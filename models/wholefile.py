@@ -29,6 +29,12 @@ def write_whole(path: Path, parts: Iterable[Any]) -> None:
         raise
 
 
+def partials_of(path: Path) -> list[Path]:
+    """What ``write_whole`` left beside ``path`` when its process was killed."""
+    begin, end = f".{path.name}.", ".partial"
+    return [file for file in path.parent.iterdir() if file.name.startswith(begin) and file.name.endswith(end)]
+
+
 def settle(path: Path) -> None:
     """Make sure that a file which somebody else wrote is on the disk. Raises OSError."""
     with path.open("r+b") as file:  # Windows settles only what may be written

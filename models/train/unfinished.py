@@ -8,7 +8,7 @@ from typing import Any
 
 import torch
 
-from ..wholefile import write_whole
+from ..wholefile import partials_of, write_whole
 from .freegem import State
 
 
@@ -52,6 +52,7 @@ class Unfinished:
             write_whole(self._path, [packed.getbuffer()])
 
     def remove(self) -> None:
-        """It is finished."""
+        """It is finished; what runs left that were killed while they wrote goes, too."""
         with suppress(OSError):
-            self._path.unlink(missing_ok=True)
+            for file in (self._path, *partials_of(self._path)):
+                file.unlink(missing_ok=True)
