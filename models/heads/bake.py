@@ -70,20 +70,27 @@ def make_subject(person: Person, ingredients: Ingredients, splats: int | None = 
         surface = surface[np.isin(rider.part[surface], range(SKIN, SKIN + 4))]
         bare = rider.chosen(surface)
         color = rider.color.copy()
-        color[surface] = refined(bare.color, views_of(shader, bare), _reach(head, bare))
+        color[surface] = refined(bare.color, views_of(shader, bare), _reach(shader, bare))
         rider = rider.colored(color)
     return Subject(person, shader, rider)
 
 
-def _reach(head: Head, bare: Rider) -> Floats:
-    """[N] how far refinement may change a colour: hardly around the mouth, where a splat at the rim of one expression,
-    lent the white of the teeth, would be a speck in all others; and at the ears, whose rims lie before hair from one
-    side and before the sky from another."""
+def _reach(shader: Shader, bare: Rider) -> Floats:
+    """[N] how far refinement may change a colour.
+
+    Not at all around the mouth: a splat at the rim of one expression, lent the white of the teeth, would be a speck in
+    all others, and the tracker takes lips that lent their edges shade for pursed ones. Hardly on teeth and tongue; at
+    the ears, whose rims lie before hair from one side and before the sky from another; and along the hairline, which
+    the strands soften that these pictures lack.
+    """
+    head = shader.head
     canvas = (head.canvas[bare.corners] * bare.weights[..., None]).sum(1)
     mirrored = np.abs(canvas) * [1, 0, 0] + canvas * [0, 1, 1]
     around = (((canvas - MOUTH_CENTER) / MOUTH_SIZE) ** 2).sum(1) < 1
     ears = (((mirrored - EAR_CENTER) / EAR_SIZE) ** 2).sum(1) < 1
-    return np.where(around | ears | np.isin(bare.part, (TEETH, TONGUE)), 0.03, 1.0)
+    hairline = shader.scalp[bare.corners].max(1) > 0.02
+    hardly = ears | hairline | np.isin(bare.part, (TEETH, TONGUE))
+    return np.where(hardly, 0.03, np.where(around, 0.0, 1.0))
 
 
 def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:

@@ -5,13 +5,15 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...render.camera import orbit
+from .collar import collar_height, neckline
 from .expressions import weights_of
 from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
 from .ingredients import Ingredients
 from .maps import sample_map
 from .meshview import see
+from .neckband import neckband_rider
 from .sampling import scatter
-from .shading import Shader, collar_height
+from .shading import Shader
 from .skin import points_of
 from .splats import Rider, joined, ride
 from .strands import brow_rider, glint_rider, hair_rider, lash_rider
@@ -24,7 +26,8 @@ MOST = {"lashes": 300, "brows": 640}
 """However large the budget: hairs keep their size, so more of them would close to a black bar."""
 TANGENT_SIGMA = 0.66
 NORMAL_SIGMA = 0.08
-"""Of a surface splat, in mean distances to its six neighbours."""
+NARROWEST = 0.25
+"""Of a surface splat, in mean distances to its six neighbours; NARROWEST across the neckline, beside it."""
 BOTTOM = -0.235
 """Metres: where the shoulders end; they fade over FADE above it."""
 FADE = 0.045
@@ -89,10 +92,10 @@ def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
     return np.where(seen & solid & ~low & ~wide, density, 0)
 
 
-def surface_rider(shader: Shader, count: int, rng: np.random.Generator) -> Rider:
-    """About ``count`` even splats on skin, eyes, teeth and tongue."""
+def surface_rider(shader: Shader, seen: NDArray[np.bool_], count: int, rng: np.random.Generator) -> Rider:
+    """About ``count`` even splats on those triangles of skin, eyes, teeth and tongue that are ``seen`` [F]."""
     head = shader.head
-    density = importance(shader, visible_faces(head))
+    density = importance(shader, seen)
     faces = np.flatnonzero(density > 0)
     corners = head.vertices[head.triangles[faces]].astype(float)
     chosen, weights, _ = scatter(corners, density[faces], count, rng)
@@ -104,11 +107,19 @@ def surface_rider(shader: Shader, count: int, rng: np.random.Generator) -> Rider
     face, weights, fade = face[kept], weights[kept], fade[kept]
     spacing = _spacing(position[kept], head.parts[face])
     sigma = spacing[:, None] * np.array([TANGENT_SIGMA, TANGENT_SIGMA, NORMAL_SIGMA])
+    # beside the neckline they lie along it and do not reach over it
+    corner = head.vertices[head.triangles[face]].astype(float)
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-20)
+    above, along = neckline(position[kept], normal)
+    beside = (head.parts[face] == SKIN) & (np.abs(above) < 2 * spacing)
+    narrow = np.clip(0.5 * np.abs(above) / spacing, NARROWEST, TANGENT_SIGMA)
+    sigma[beside, 1] = (narrow * spacing)[beside]
     return ride(
         head.vertices,
         head.triangles[face],
         weights,
-        None,
+        np.where(beside[:, None], along, corner[:, 1] - corner[:, 0]),
         sigma,
         0.99 * fade,
         shader.color(face, weights),
@@ -117,7 +128,8 @@ def surface_rider(shader: Shader, count: int, rng: np.random.Generator) -> Rider
 
 
 def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> Rider:
-    """At most ``count`` splats of one person, surfaces first, then strands."""
+    """At most ``count`` splats of one person, surfaces first, then strands; and the neckband, which takes none from
+    the face."""
     rng = np.random.default_rng(seed)
     head, person = shader.head, shader.person
     hair = hair_rider(head, person, ingredients, shader.light, int(person.hair.share * count), rng)
@@ -125,8 +137,9 @@ def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> 
     lashes = lash_rider(head, person, ingredients, hairs["lashes"], rng)
     brows = brow_rider(head, person, shader.brows, shader.light, hairs["brows"], rng)
     glints = glint_rider(head)
-    surface = surface_rider(shader, count - len(hair) - len(lashes) - len(brows) - len(glints), rng)
-    return joined([surface, brows, lashes, hair, glints])
+    seen = visible_faces(head)
+    surface = surface_rider(shader, seen, count - len(hair) - len(lashes) - len(brows) - len(glints), rng)
+    return joined([surface, neckband_rider(shader, seen), brows, lashes, hair, glints])
 
 
 def _spacing(position: Floats, part: NDArray[np.uint8]) -> Floats:

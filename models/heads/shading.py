@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from .brows import BrowMap, paint_brows
+from .collar import collar_height
 from .expressions import weights_of
 from .eyelight import light_eyes
 from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
@@ -74,9 +75,9 @@ class Shader:
         if on.any():
             scalp = (self.scalp[corners[on]] * weights[on]).sum(1)
             base[on], sheen[on] = albedo(self.person, self.maps, uv[on], canvas[on], scalp, self.brows.at(canvas[on]))
-            cloth = (collar_height(position[on]) < 0).astype(float)
-            base[on] += cloth[:, None] * (_cloth(self.person, canvas[on]) - base[on])
-            sheen[on] *= 1 - cloth
+            below = (collar_height(position[on]) < 0).astype(float)
+            base[on] += below[:, None] * (cloth(self.person, canvas[on]) - base[on])
+            sheen[on] *= 1 - below
         on = part == EYES
         base[on] = self._eyes(faces[on], weights[on])
         on = part == TEETH
@@ -133,13 +134,8 @@ def _sheen(normal: Floats) -> Floats:
     return 0.055 * facing**10 + 0.09 * facing**48
 
 
-def collar_height(position: Floats) -> Floats:
-    """Metres above (skin) or below (cloth) the neckline."""
-    x, y, z = position.T
-    return y + 0.162 + 0.30 * (z - 0.03) - 2.2 * np.clip(x, -0.09, 0.09) ** 2
-
-
-def _cloth(person: Person, canvas: Floats) -> Floats:
+def cloth(person: Person, canvas: Floats) -> Floats:
+    """Linear albedo [N, 3] of the T-shirt."""
     weave = value_noise(canvas, 1.2e-3, 3) * 0.10 + value_noise(canvas, 30e-3, 4) * 0.08
     return linear(np.array(person.shirt)) * (1 + weave[:, None])
 

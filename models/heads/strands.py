@@ -19,6 +19,10 @@ Floats = NDArray[np.floating]
 
 UNDERCOAT = 0.36
 """Share of the strands that are broad and dark and lie beneath the others, so that nothing shows through."""
+UNDERCOAT_SIGMA = 1.3, 0.62
+"""Of a broad strand along and across, in radii of its disc."""
+LONG_UNDERCOAT = 1.25
+"""How much broader the undercoat of long hair is, which has only the background behind it."""
 HAIR_BOTTOM = -0.235
 """Metres: long hair ends here, above the picture's lower edge."""
 
@@ -66,9 +70,10 @@ def hair_rider(
     linear_color = EXPOSURE * (color * lit + shine[:, None] * (0.5 * color + 0.05) * np.clip(lit, 0, 1.5))
     under = rng.random(len(face)) < UNDERCOAT
     side = np.where((outward * normal).sum(1) < 0, -1.0, 1.0)
-    thin = radius * np.where(under, 0.62, rng.uniform(0.16, 0.26, len(face)))
+    broad = np.array(UNDERCOAT_SIGMA) * (LONG_UNDERCOAT if person.hair.combed else 1)
+    thin = radius * np.where(under, broad[1], rng.uniform(0.16, 0.26, len(face)))
     long = radius * np.where(
-        under, 1.3, person.hair.length * np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius)
+        under, broad[0], person.hair.length * np.minimum(rng.uniform(1.5, 2.5, len(face)), 8e-3 / radius)
     )
     # Straight strands stand off the round crown, where they would fray the silhouette.
     long *= 1 - 0.45 * np.clip(outward[:, 1] / 0.7, 0, 1) * person.hair.combed

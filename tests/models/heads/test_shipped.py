@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gemheads.models.crossing.reading import landmark_distances
 from gemheads.models.driver.face import FaceObservation, FaceTracker
 from gemheads.models.driver.gaze import eye_gaze
 from gemheads.models.driver.points import LEFT_EYE_OUTER, RIGHT_EYE_OUTER, SCORES
@@ -142,6 +143,17 @@ def test_lips_close_over_an_open_jaw_all_the_way_to_the_corners(name: str) -> No
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_a_mouth_that_begins_to_open_is_read_as_no_kiss(name: str) -> None:
+    gem = avatar(name)
+    rest, *opening = (seen(photo(gem, jawOpen=jaw)) for jaw in (0.0, 0.1, 0.15, 0.2, 0.25))
+    for found in opening:
+        assert abs(score(found, "mouthPucker") - score(rest, "mouthPucker")) < 0.12
+    gaps = [landmark_distances(found.landmarks_px)[0] for found in (rest, *opening)]
+    assert np.diff(gaps).min() > -0.005
+    assert gaps[-1] - gaps[0] > 0.06
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_teeth_show_in_a_smile(name: str) -> None:
     gem = avatar(name)
 
@@ -163,6 +175,18 @@ def test_no_holes_at_the_allowed_views(name: str) -> None:
         alpha = portrait(gem, gem.rest_coefficients, yaw, pitch)[..., 3]
         middle = alpha[180:300, 216:296]
         assert middle.min() > 0.97
+
+
+@pytest.mark.parametrize("name", ["mara", "theo"])  # Jonah's skin is hardly lighter than his shirt
+def test_the_neckline_is_a_clean_edge(name: str) -> None:
+    gem = avatar(name)
+    camera = orbit((0.0, -0.16, 0.02), 1.1, 0, 0, 12, 768, 768)
+    there = SoftwareEngine().draw(gem.compose(gem.rest_coefficients), camera)[300:560, 234:534, :3].mean(-1)
+    skin, cloth = np.median(there[:20]), np.median(there[-30:])
+    share = (there - cloth) / (skin - cloth)
+    edge, across = (share < 0.5).argmax(0), np.linspace(-1, 1, there.shape[1])
+    assert np.std(edge - np.polyval(np.polyfit(across, edge, 6), across)) < 0.5
+    assert np.median(((share > 0.2) & (share < 0.8)).sum(0)) <= 4
 
 
 @pytest.mark.parametrize("name", NAMES)
