@@ -20,10 +20,8 @@ def collar_height(position: Floats) -> Floats:
 def neckline(position: Floats, normal: Floats) -> tuple[Floats, Floats]:
     """How far points [N, 3] of a surface with unit ``normal`` [N, 3] are above the neckline, metres along the surface
     [N]; and the unit direction [N, 3] in which it runs there."""
-    rise = np.stack(
-        [np.where(np.abs(position[:, 0]) < CURVED, -2 * BEND * position[:, 0], 0), np.ones(len(position))], 1
-    )
-    rise = np.concatenate([rise, np.full((len(position), 1), SLANT)], 1)
+    across = np.where(np.abs(position[:, 0]) < CURVED, -2 * BEND * position[:, 0], 0)
+    rise = np.stack([across, np.ones_like(across), np.full_like(across, SLANT)], 1)
     rise -= (rise * normal).sum(1, keepdims=True) * normal
     steep = np.maximum(np.linalg.norm(rise, axis=1), 1e-3)
     along = np.cross(normal, rise / steep[:, None])
