@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.crossing.compare import Compared, compare, relative_embeddings
+from ..models.crossing.double import double_correlations
 from ..models.crossing.embedding import Floats, agreement
 from ..models.crossing.kept import Kept
 from ..models.crossing.loop import Echo, echo
@@ -73,6 +74,10 @@ def cross(
     for driver in drivers:
         bar.begin(f"{driver.name}: tracking", None)
         clips.append(driver.tracked(wish.every, wish.seconds, kept))
+    doubles = {}
+    for tracked in clips:
+        bar.begin(f"{tracked.name}: in a mirror", None)
+        doubles[tracked.name] = double_correlations(tracked.clip, tracked.double(kept))
     pictures = CrossingPictures({tracked.name: tracked.clip for tracked in clips})
     rows: list[Row] = []
     notes: list[str] = []
@@ -89,7 +94,7 @@ def cross(
             notes.append(f"{entrant.column.name} is left out: {error}.")
     if not rows:
         raise InputError(" ".join(notes))
-    figures = crossing_json(rows, clips, SIZE, wish.every, wish.seconds, notes)
+    figures = crossing_json(rows, clips, doubles, SIZE, wish.every, wish.seconds, notes)
     return Crossing(figures, pictures, crossing_said(figures))
 
 

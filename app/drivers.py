@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..models.crossing.clip import Clip, UnseenDriver, track_clip
+from ..models.crossing.double import Double, mirrored
 from ..models.crossing.kept import Kept
 from ..models.crossing.reading import Image
 from ..models.crossing.still import CONDITIONS, Still, hold_still
@@ -52,6 +53,10 @@ class Tracked:
     def name(self) -> str:
         """The driver's."""
         return self.driver.name
+
+    def double(self, kept: Kept) -> Double:
+        """His mirror image. Raises InputError, OSError."""
+        return kept.get("double", self.made_of, Double, lambda: mirrored(self.clip, self.driver.frames()))
 
     def still(self, kept: Kept) -> Still | None:
         """At his neutral under a webcam's noise; None where the tracker loses him there. Raises InputError, OSError."""

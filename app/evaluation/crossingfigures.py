@@ -40,9 +40,25 @@ class Row:
 
 
 def crossing_json(
-    rows: Sequence[Row], clips: Sequence["Tracked"], size: int, every: int, seconds: float, notes: Sequence[str]
+    rows: Sequence[Row],
+    clips: Sequence["Tracked"],
+    doubles: Mapping[str, NDArray[np.floating]],
+    size: int,
+    every: int,
+    seconds: float,
+    notes: Sequence[str],
 ) -> dict[str, Any]:
-    """The part of report.json. ``size`` is the side of the avatars' pictures in pixels."""
+    """The part of report.json.
+
+    Args:
+        rows: what was found.
+        clips: the drivers.
+        doubles: driver -> correlations [channels] with his mirror image.
+        size: side of the avatars' pictures in pixels.
+        every: each N-th frame was taken ...
+        seconds: ... of so many of each clip.
+        notes: sentences for the reader.
+    """
     return {
         "every": every,
         "seconds": seconds,
@@ -53,6 +69,10 @@ def crossing_json(
         "pose_leak": {"goal": GOAL, "yaw_deg": YAW_DEG, "pitch_deg": PITCH_DEG},
         "drivers": [_driver_json(tracked) for tracked in clips],
         "rows": [_row_json(row) for row in rows],
+        "mirror_image": {
+            "median": _medians(np.stack(list(doubles.values()))[:, : len(JUDGED)]),
+            "drivers": {name: dict(zip(JUDGED, map(_plain, values), strict=False)) for name, values in doubles.items()},
+        },
         "published": {name: dict(values) for name, values in CROSSING.items()},
         "published_by": CROSSING_BY,
         "notes": list(notes),

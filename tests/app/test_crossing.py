@@ -14,7 +14,7 @@ import pytest
 from gemheads.app import library, trials
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
-from gemheads.models.crossing import clip, kept, mirror, neutrals, pace, poseleak, still
+from gemheads.models.crossing import clip, double, kept, mirror, neutrals, pace, poseleak, still
 from gemheads.models.crossing.channels import CHANNELS
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT
@@ -39,7 +39,7 @@ def report_of(folder: Path) -> dict[str, Any]:
 @pytest.fixture(autouse=True)
 def painted_faces(monkeypatch: pytest.MonkeyPatch) -> None:
     """Everybody's tracker reads paint; what takes long is short; no avatar ships."""
-    for module in (clip, still, mirror):
+    for module in (clip, double, still, mirror):
         monkeypatch.setattr(module, "FaceTracker", PixelTracker)
     monkeypatch.setattr(trials, "SIZE", 64)
     monkeypatch.setattr("gemheads.app.robustness.SIZE", 64)
@@ -135,6 +135,9 @@ def test_all_drivers_drive_all_avatars_by_all_ways(
         assert steady["neutrals"]["mean"]["sigma"] > 0
     jitter = rows["learned", "regressor"]["robustness"]["jitter"]
     assert jitter["raw"]["sigma"] > jitter["smoothed"]["sigma"] > 0
+    assert report["mirror_image"]["median"]["mouthSmile"] > 0.99
+    assert report["mirror_image"]["median"]["mouthPucker"] is None
+    assert set(report["mirror_image"]["drivers"]) == {"ann", "bob"}
     assert report["published"]["GEM"]["cosine"] == 0.9381
     whole = json.loads((out / "report.json").read_text())
     assert whole["version"] == 2
@@ -156,6 +159,7 @@ def test_the_page_shows_everybody_and_asks_for_nothing(
     assert len(page.asked) > 4
     assert text.count("<svg") == 8
     assert "paper: GEM" in text
+    assert "mirror image" in text
     assert "driver above avatar" in text
 
 
@@ -312,5 +316,7 @@ def test_results_are_printed_of_it(learned: Path, drivers: tuple[Path, Path], tm
     row = report_of(out)["rows"][0]
     assert f"| cosine ↑ | {row['embedding']['cosine']:.4f} | " in text
     smile = next(line for line in text.splitlines() if line.startswith("| mouthSmile | 0.97 | "))
+    double = report_of(out)["mirror_image"]["median"]["mouthSmile"]
     assert f" {row['median']['mouthSmile']:.3f} |" in smile
+    assert smile.endswith(f" {double:.3f} |")
     assert f"| RMS of expression |  | {row['robustness']['expression']['sigma']:.2f} / " in text

@@ -4,7 +4,8 @@
 
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
-moves. Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate` with
+moves. The last column is the driver's own mirror image in the avatar's place, which does exactly what the driver does:
+nobody can be asked for more. Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate` with
 --drivers says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
 """
 
@@ -21,6 +22,7 @@ from gemheads.app.drivers import opened_drivers
 from gemheads.models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.compare import Likeness, compare
+from gemheads.models.crossing.double import double_correlations
 from gemheads.models.crossing.kept import Kept
 from gemheads.models.crossing.loop import Echo, Express, echo
 from gemheads.models.crossing.mirror import Mirror
@@ -54,7 +56,9 @@ def main() -> int:
     gem = load_gem(options.avatar)
     drivers = opened_drivers([str(path) for path in options.clips or sorted(DRIVERS.glob("*.mp4"))])
     kept = Kept(options.cache)
-    clips = {driver.name: driver.tracked(options.every, options.seconds, kept).clip for driver in drivers}
+    tracked = [driver.tracked(options.every, options.seconds, kept) for driver in drivers]
+    clips = {one.name: one.clip for one in tracked}
+    doubles = {one.name: double_correlations(one.clip, one.double(kept)) for one in tracked}
     mirror = Mirror(gem, options.size)
     runs: dict[str, tuple[Express, int | None]] = {}
     if gem.arkit_weights is not None:
@@ -76,9 +80,9 @@ def main() -> int:
             figures.setdefault(clip_name, {})[name] = compared.likeness, compared.unseen
             if name == next((n for n in runs if n != "baseline"), "baseline"):
                 strips += _strip(clip, shown)
-    print(report(gem.name, figures, list(runs)))
+    print(report(gem.name, figures, doubles, list(runs)))
     if options.json:
-        options.json.write_text(json.dumps(_document(gem, clips, figures), indent=1) + "\n")
+        options.json.write_text(json.dumps(_document(gem, clips, figures, doubles), indent=1) + "\n")
     if options.strip:
         cv2.imwrite(str(options.strip), cv2.cvtColor(np.concatenate(strips), cv2.COLOR_RGB2BGR))
     return 0
@@ -90,8 +94,9 @@ def _strip(clip: Clip, shown: Echo) -> list[NDArray[np.uint8]]:
     return [np.concatenate([album[int(i)] for i in places], 1) for album in (clip.pictures, shown.pictures)]
 
 
-def report(avatar: str, figures: Figures, runs: list[str]) -> str:
-    """The markdown table: one row a channel; in each cell one figure per run, in the order of ``runs``."""
+def report(avatar: str, figures: Figures, doubles: dict[str, NDArray[np.float64]], runs: list[str]) -> str:
+    """The markdown table: one row a channel; in each cell one figure per run, in the order of ``runs``. ``doubles``
+    are the correlations [channels] of each clip with its mirror image."""
     names = list(figures)
 
     def column(kind: str, run: str) -> NDArray[np.float64]:
@@ -102,14 +107,16 @@ def report(avatar: str, figures: Figures, runs: list[str]) -> str:
     lines = [
         f"Avatar {avatar}. In each cell: {'; '.join(runs)}. Amplitude and jitter are avatar over driver.",
         "",
-        "| channel | goal | " + " | ".join([*names, "median", "amplitude", "jitter"]) + " |",
-        "|---|---|" + "---|" * (len(names) + 3),
+        "| channel | goal | " + " | ".join([*names, "median", "amplitude", "jitter", "mirror image"]) + " |",
+        "|---|---|" + "---|" * (len(names) + 4),
     ]
     for i, channel in enumerate(CHANNELS):
         cells = [" ".join(_figure(correlation[run][c, i]) for run in runs) for c in range(len(names))]
         for kind in ("correlation", "amplitude", "unrest"):
             kept = [column(kind, run)[moving[:, i], i] for run in runs]
             cells.append(" ".join(_figure(float(np.median(k))) if len(k) else "-" for k in kept))
+        seen = [double[i] for double in doubles.values() if not np.isnan(double[i])]
+        cells.append(_figure(float(np.median(seen))) if seen else "-")
         goal = "" if channel.goal is None else f"{channel.goal:g}"
         name = channel.name if channel in SCORE_CHANNELS else f"*{channel.name}*"
         lines.append(f"| {name} | {goal} | " + " | ".join(cells) + " |")
@@ -120,7 +127,9 @@ def _figure(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.2f}".replace("0.", ".", 1) if abs(value) < 1 else f"{value:.2f}"
 
 
-def _document(gem: Gem, clips: dict[str, Clip], figures: Figures) -> dict[str, object]:
+def _document(
+    gem: Gem, clips: dict[str, Clip], figures: Figures, doubles: dict[str, NDArray[np.float64]]
+) -> dict[str, object]:
     """All figures as plain JSON, NaN as null."""
     told = {
         clip: {
@@ -135,6 +144,8 @@ def _document(gem: Gem, clips: dict[str, Clip], figures: Figures) -> dict[str, o
         }
         for clip, runs in figures.items()
     }
+    for clip, double in doubles.items():
+        told[clip]["mirror image"] = {"correlation": double.tolist()}
     tidy = json.loads(json.dumps(told), parse_constant=lambda _: None)
     about = {
         name: {"frames": len(clip.readings), "losses": clip.lost, "neutral": clip.reason}

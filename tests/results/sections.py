@@ -140,12 +140,13 @@ def _crossing(found: Mapping[str, Any]) -> Iterator[str]:
     )
     rows = [
         [channel["name"], f"{channel['goal']:g}"]
-        + [_number(row["median"][channel["name"]], 3) for row in found["rows"]]
+        + [_number(of["median"][channel["name"]], 3) for of in (*found["rows"], found["mirror_image"])]
         for channel in found["channels"]
         if not channel["second_opinion"]
     ]
     about = "correlation over time of avatar and driver, median over the drivers who move the channel."
-    yield f"**The closed loop**: {about}\n\n{table(['', 'goal', *who], rows)}"
+    about += " Last column: the driver's own pictures in a mirror, which do exactly what he does."
+    yield f"**The closed loop**: {about}\n\n{table(['', 'goal', *who, 'the mirror image'], rows)}"
     yield _robustness(found, who)
 
 
