@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.spatial import cKDTree
 
 from .brows import BrowMap, paint_brows
@@ -25,6 +26,8 @@ Floats = NDArray[np.floating]
 EXPOSURE = 0.92
 IRIS_RAD = 0.405
 """Half angle of the iris, from the eyeball's centre."""
+SCALP_BLUR = 4e-3
+"""Metres over which the skin under the hair takes on its colour: hairs root less and less densely there."""
 PUPIL_RAD = 0.155
 IRIS_COLORS = {
     "green": (0.33, 0.36, 0.22),
@@ -200,4 +203,12 @@ def _under_hair(head: Head, ears: Floats, cards: NDArray[np.bool_]) -> Floats:
     from_ear, _ = cKDTree(head.canvas[ears > 0.5]).query(head.canvas)  # the map of the ears ends at their rims
     y, z = head.canvas[:, 1], head.canvas[:, 2]
     grows = np.clip((y + 0.085 - 0.5 * np.clip(z + 0.09, 0, 1)) / 0.015, 0, 1)  # rises from the nape to the sideburns
-    return covered * grows * np.clip(from_ear / 5e-3 - 1, 0, 1) * (part_of_vertex(head) == SKIN)
+    scalp = covered * grows * np.clip(from_ear / 5e-3 - 1, 0, 1) * (part_of_vertex(head) == SKIN)
+    return blurred(scalp, head.vertices, SCALP_BLUR)
+
+
+def blurred(values: Floats, points: Floats, sigma: float) -> Floats:
+    """[V] means over the neighbourhood of each of ``points`` [V, 3], weighted by a Gaussian of ``sigma`` metres."""
+    near = cKDTree(points).sparse_distance_matrix(cKDTree(points), 2.5 * sigma, output_type="coo_matrix")
+    weights = sparse.coo_matrix((np.exp(-0.5 * (near.data / sigma) ** 2), (near.row, near.col)), near.shape).tocsr()
+    return (weights @ values) / np.asarray(weights.sum(1)).ravel()

@@ -4,9 +4,9 @@
 
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
-moves. The last column is the driver's own mirror image in the avatar's place, which does exactly what the driver does:
-nobody can be asked for more. Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate` with
---drivers says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
+moves. The last column is the driver's own mirror image in the avatar's place, which does exactly what the driver does.
+Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate` with --drivers
+says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
 """
 
 import argparse
