@@ -6,7 +6,7 @@ import sys
 from cyclopts import App, CycloptsError
 
 from .commands import avatars, driven, learning, live, machine, trust
-from .errors import CommandError, ExitCode, lacks_memory
+from .errors import NO_ROOM, CommandError, ExitCode, lacks_memory, lacks_room
 
 EXIT_CODES = """Exit codes: 0 done, 1 unexpected failure, 2 wrong usage, 3 an input cannot be used, 4 no face anywhere,
 5 the output cannot be written, 6 and 7 verify found changes or no credentials, 130 stopped with Ctrl-C. Errors are one
@@ -62,6 +62,9 @@ def main(arguments: list[str] | None = None) -> int:
     except Exception as error:
         if debug:
             raise
+        if lacks_room(error):
+            print(f"error: {NO_ROOM}", file=sys.stderr)
+            return ExitCode.OUTPUT
         told = f"unexpected {type(error).__name__}: {error}; run again with --debug to see where"
         print(f"error: {FULL if lacks_memory(error) else told}", file=sys.stderr)
         return ExitCode.UNEXPECTED

@@ -1,8 +1,13 @@
 """What can go wrong in a command, as exit codes and one kind of exception; every text says what, where and the cure."""
 
+import errno
 import re
 from enum import IntEnum
 
+NO_ROOM = (
+    "a disk is full: make room on the disks of your results and of gemheads, or keep the kernels that it compiles"
+    " elsewhere (NUMBA_CACHE_DIR=FOLDER)"
+)
 _MEMORY = re.compile("out of memory|insufficient memory|(can't|cannot|unable to|failed to) allocate", re.IGNORECASE)
 
 
@@ -29,6 +34,11 @@ def brief(error: object) -> str:
 def lacks_memory(error: BaseException) -> bool:
     """Whether the memory is full: torch, OpenCV and onnxruntime each say so in errors of their own."""
     return isinstance(error, MemoryError) or bool(_MEMORY.search(str(error)))
+
+
+def lacks_room(error: BaseException) -> bool:
+    """Whether a disk is full, or its quota used up."""
+    return isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
 class CommandError(Exception):

@@ -18,7 +18,17 @@ from .casting import Avatar, Driving, check_components, check_track, expression_
 from .credentials.papers import Papers, driver_of
 from .credentials.signing import Signer, open_signer
 from .credentials.statement import Statement
-from .errors import CommandError, ExitCode, InputError, NoFaceError, UsageError, brief
+from .errors import (
+    NO_ROOM,
+    CommandError,
+    ExitCode,
+    InputError,
+    NoFaceError,
+    OutputError,
+    UsageError,
+    brief,
+    lacks_room,
+)
 from .following import Actor
 from .frames import Frame
 from .leftovers import take_over
@@ -176,6 +186,9 @@ def _outcome_of(
         message, failure = str(error), error
     except Exception as error:  # whatever a file of somebody's does, the other drivers have their turn
         message, failure = f"{outcome.driver}: unexpected {type(error).__name__}: {brief(error)}", error
+        if lacks_room(error):
+            message = f"{outcome.driver}: {NO_ROOM}"
+            failure = OutputError(message)
     return (
         replace(
             outcome,

@@ -1,5 +1,6 @@
 """The picture without a GPU: a fused tile rasteriser on all cores, of the same picture as the other engines."""
 
+import contextlib
 import time
 from typing import Any
 
@@ -133,7 +134,9 @@ class SoftwareEngine:
 
 
 def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
-    kernel.compile(types)  # what njit returns has no type that a checker knows
+    # what cannot be kept, on a full disk, is compiled all the same
+    with contextlib.suppress(OSError):
+        kernel.compile(types)  # what njit returns has no type that a checker knows
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_EXACT, error_model="numpy")

@@ -1,5 +1,6 @@
 """The whole way, on a second of the clip that ships: video in, video out."""
 
+import errno
 import json
 import os
 import signal
@@ -357,3 +358,16 @@ def test_an_avatar_without_consent_says_so_each_time(
     for name in ("a.mp4", "b.mp4"):
         assert play(nobody, clip, "-o", tmp_path / name) == 0
         assert "tiny: licence not stated; no consent recorded" in capsys.readouterr().err
+
+
+def test_a_full_disk_that_is_not_the_results_is_said_plainly(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(path: str, rate: Fraction) -> Source:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("gemheads.app.reenact.open_source", full)
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4") == ExitCode.OUTPUT
+    said = capsys.readouterr().err
+    assert "talk.mp4: a disk is full: make room" in said
+    assert "unexpected" not in said
