@@ -63,14 +63,18 @@ def test_a_still_head_that_acts_seems_to_turn_less(name: str) -> None:
     mirror = Mirror(load_gem(AVATARS / f"{name}.gem"), 384)
     gem, rest = mirror.gem, mirror.neutral()
     nodding = nodding_of(gem)
+    seeming, left = [], []
     for weights in (weights_of(browInnerUp=1.0), weights_of(mouthSmile=0.8), weights_of(mouthFrown=1.0)):
         coefficients = gem.arkit_coefficients(weights)
         mirror.restart()
         reading = mirror.read(mirror.draw(coefficients, np.zeros(3)))
         assert reading is not None
-        seeming = relative_rotation(reading.rotation, rest.rotation)
-        assert abs(seeming[0]) > np.radians(0.6)
-        assert abs(nodding.taken_off(seeming, coefficients)[0]) < abs(seeming[0])
+        turn = relative_rotation(reading.rotation, rest.rotation)
+        seeming.append(turn[0])
+        left.append(nodding.taken_off(turn, coefficients)[0])
+    # What is taken off is the mean of three heads: of a single shape, on one of them, it may be too much.
+    assert np.linalg.norm(left) < 0.6 * np.linalg.norm(seeming)
+    assert np.abs(left).max() < np.radians(2.0) < np.abs(seeming).max()
 
 
 def test_an_avatar_follows_as_the_product_has_it() -> None:
