@@ -58,6 +58,8 @@ class Person:
     """Oiliness of the lips over that of skin: on dark lips a little reads as much."""
     sclera: Rgb = (0.54, 0.527, 0.51)
     """The white of the eyes, linear light; beside dark skin a bright one would stare."""
+    enamel: float = 1.0
+    """Brightness of the teeth: beside fair skin those of dark faces would be grey."""
     freckles: float = 0.0
     """0..1"""
     stubble: float = 0.0
@@ -127,6 +129,7 @@ MARA = Person(
     hair=Hair("long01", (0.30, 0.155, 0.09), (0.56, 0.32, 0.18), gloss=0.6, combed=True),
     seed=11,
     splats=23_400,
+    enamel=1.35,
     freckles=0.6,
     brow_lift=0.0027,
     rest=RELAXED
@@ -157,6 +160,7 @@ THEO = Person(
     hair=Hair("short04", (0.52, 0.51, 0.50), (0.74, 0.73, 0.71), gloss=0.25),
     seed=23,
     lip=(0.60, 0.40, 0.36),
+    enamel=1.15,
     stubble=0.45,
     wrinkles=1.0,
     brow_lift=0.002,
@@ -220,6 +224,7 @@ LIN = Person(
     seed=51,
     brow_lift=0.0024,
     lip=(0.72, 0.43, 0.41),
+    enamel=1.3,
     shirt=(0.20, 0.30, 0.36),
     rest=RELAXED
     | {"mouthSmileLeft": 0.10, "mouthSmileRight": 0.10, "mouthClose": 0.05}

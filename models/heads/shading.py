@@ -175,7 +175,7 @@ def make_shader(person: Person, head: Head, ingredients: Ingredients) -> Shader:
         brows=paint_brows(person, ingredients),
         light=light,
         scalp=_under_hair(head, ears, cards),
-        teeth_map=paint_teeth(),
+        teeth_map=paint_teeth(person.enamel),
         tongue_map=load_map(proxies / "tongue/tongue01/textures/tongue01_diffuse.png"),
     )
 

@@ -118,8 +118,10 @@ def opacity_logit(light: float) -> float:
     return float(np.interp(light, MOUTH_LIGHT, OPACITY_LOGITS))
 
 
-def paint_teeth() -> NDArray[np.float32]:
+def paint_teeth(brightness: float) -> NDArray[np.float32]:
     """The teeth's map [MAP_HEIGHT, MAP_WIDTH, 3], linear, row 0 on top: enamel, gaps, gums, and the mouth's own shade.
+
+    ``brightness`` is that of the enamel, of ENAMEL's.
 
     Light falls in through the lips, so both rows darken along the cheeks, towards the gums and behind the edge.
     """
@@ -136,6 +138,6 @@ def paint_teeth() -> NDArray[np.float32]:
         line = np.exp(-((gap / GAP_MM) ** 2))
         scallop = CROWN_MM - 2.2 * np.exp(-((gap / 1.6) ** 2))  # the gum reaches down between two crowns
         crown = np.clip((scallop - high) / 0.8, 0, 1)[..., None]
-        enamel = ENAMEL * dim * (1 - GAP_SHADE * line[..., None])
+        enamel = ENAMEL * brightness * dim * (1 - GAP_SHADE * line[..., None])
         picture[top : top + half] = (GUM + crown * (enamel - GUM)) * shade[..., None]
     return picture

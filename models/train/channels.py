@@ -16,7 +16,8 @@ BROW_TOLERANCE = 0.05
 SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
 CLOSE = {
-    **dict.fromkeys(("browInnerUp", "browDownLeft", "browDownRight", "mouthPucker"), 0.008),
+    **dict.fromkeys(("browDownLeft", "browDownRight"), 0.006),
+    **dict.fromkeys(("browInnerUp", "mouthPucker"), 0.008),
     **dict.fromkeys(("eyeBlinkLeft", "eyeBlinkRight"), 0.01),
     "jawOpen": 0.01,
     **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),

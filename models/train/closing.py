@@ -21,7 +21,7 @@ framing and a turned head do to what is read. Dearer stillness costs small movem
 first."""
 EXCESS = 20.0
 """Price of a weight beyond its bounds."""
-LABELS = 2.0
+LABELS = 1.0
 """Price of missing the known weights on the avatar's own pictures."""
 HUBER = 3.0
 """Beyond so many tolerances a mismatch grows linearly only: the avatar may be unable to do what the person does."""

@@ -1,6 +1,6 @@
 """What a regressor steers: bounded weights, and what each adds to an avatar's coefficients."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,18 @@ _TOGETHER = tuple(
 """Both eyes look at one thing: they start from the mean of what is read on the two, with less of the noise, and
 training moves them as one. Each by itself would squint where that is read a little better; no correlation shows it."""
 
+STRAIGHT = 0.8
+"""Of 3 sigma: as far as this, ARKit weights make the coefficients that they stand for. Equation 4's tanh bends from the
+first: of a whole smile it leaves .88, of a raised upper lip .75, so that no training could make an avatar laugh."""
+DEEPEST = 0.05
+"""So far below their rest's scores of what people do are heeded, but for those of gaze. A rest may read as pursed or
+raised; a smile then takes that back, which says no more than that it smiles. Avatars' rests read as next to nothing:
+what falls further no training has seen, and networks made frowns of it."""
+_UNHEEDED = -1e30
 _NEARLY_ONE = 0.9999
 """Of 3 sigma: what is nearer to it cannot be told from it."""
+_RIDGE = 1e-6
+"""Of the mean square of a weight's moves: a shape that moves nothing is not moved."""
 
 
 @dataclass(frozen=True)
@@ -63,16 +73,31 @@ class Controls:
     """[coefficients] the neutral expression."""
     limit: NDArray[np.float32]
     """[coefficients] 3 sigma."""
+    straight: float = 0.0
+    """Share of the limit, below 1, up to which coefficients are what the weights stand for; the rest of the way they
+    approach it as tanh does. 0 is equation 4 to the letter."""
+    least: NDArray[np.float32] = field(default_factory=lambda: np.full(len(SCORE_NAMES), _UNHEEDED, np.float32))
+    """[scores] least relative score that is heeded."""
 
     def coefficients(self, weights: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Coefficients [..., coefficients] of weights [..., E], softly limited to 3 sigma as in equation 4."""
-        return self.limit * np.tanh((self.rest + weights @ self.to_coefficients) / self.limit)
+        """Coefficients [..., coefficients] of weights [..., E], softly limited to 3 sigma."""
+        free = (self.rest + weights @ self.to_coefficients) / self.limit
+        core, left = np.clip(free, -self.straight, self.straight), np.float32(1 - self.straight)
+        return (self.limit * (core + left * np.tanh((free - core) / left))).astype(np.float32)
 
     def weights(self, coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Weights [..., E] within their bounds that give coefficients [..., coefficients], by least squares."""
-        shares = np.clip(coefficients / self.limit, -_NEARLY_ONE, _NEARLY_ONE)
-        offsets = self.limit * np.arctanh(shares) - self.rest
-        return np.clip(offsets @ np.linalg.pinv(self.to_coefficients), self.lower, self.upper).astype(np.float32)
+        """Weights [S, E] within their bounds that give coefficients [S, coefficients], by least squares; the nearer a
+        coefficient is to its limit, the less it tells."""
+        shares = np.clip(np.asarray(coefficients, float) / self.limit, -_NEARLY_ONE, _NEARLY_ONE)
+        core, left = np.clip(shares, -self.straight, self.straight), 1 - self.straight
+        bent = (shares - core) / left
+        trust = (1 - bent**2) ** 2
+        free = core + left * np.arctanh(bent) - self.rest / self.limit
+        moves = self.to_coefficients.astype(float) / self.limit
+        normal = np.einsum("ek,sk,fk->sef", moves, trust, moves, optimize=True)
+        normal += _RIDGE * np.eye(len(moves)) * np.trace(normal, axis1=1, axis2=2)[:, None, None] / len(moves)
+        found = np.linalg.solve(normal, ((trust * free) @ moves.T)[..., None])[..., 0]
+        return np.clip(found, self.lower, self.upper).astype(np.float32)
 
 
 def controls_of(gem: Gem) -> Controls:
@@ -99,6 +124,8 @@ def controls_of(gem: Gem) -> Controls:
         np.asarray(gem.arkit_weights, np.float32),
         gem.rest_coefficients,
         CLAMP_SIGMAS * gem.sigma,
+        STRAIGHT,
+        np.array([_UNHEEDED if name.startswith("eyeLook") else -DEEPEST for name in SCORE_NAMES], np.float32),
     )
 
 

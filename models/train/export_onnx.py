@@ -15,7 +15,7 @@ from .network import KAPPA_LIMIT, RegressorNetwork
 OPSET = 17
 INPUTS = ("relative_features", "head_rotation")
 OUTPUT = "coefficients"
-SHARED = ("lower", "upper", "rest", "to_coefficients", "limit")
+SHARED = ("lower", "upper", "rest", "to_coefficients", "limit", "straight", "least")
 """Buffers that are the avatar's: the same in all its networks."""
 
 
@@ -31,7 +31,8 @@ def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     graph = _Graph()
     features, rotation = INPUTS
     shared = {name: getattr(members[0], name).cpu().numpy() for name in SHARED}
-    answers = [_answer(graph, f"member_{number}_", member, shared) for number, member in enumerate(members)]
+    heeded = graph.node("Max", features, graph.constant("least", shared["least"]))
+    answers = [_answer(graph, heeded, f"member_{number}_", member, shared) for number, member in enumerate(members)]
     total = answers[0]
     for answer in answers[1:]:
         total = graph.node("Add", total, answer)
@@ -39,7 +40,7 @@ def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     offset = graph.node("MatMul", weights, graph.constant("to_coefficients", shared["to_coefficients"]))
     free = graph.node("Add", offset, graph.constant("rest", shared["rest"]))
     limit = graph.constant("limit", shared["limit"])
-    squashed = graph.node("Tanh", graph.node("Div", free, limit))
+    squashed = _squashed(graph, graph.node("Div", free, limit), shared["straight"])
     graph.nodes.append(helper.make_node("Mul", [squashed, limit], [OUTPUT], name=OUTPUT))
     made = helper.make_graph(
         graph.nodes,
@@ -95,12 +96,22 @@ class _Graph:
         return self.node("Min", self.node("Max", value, lower), upper)
 
 
-def _answer(graph: _Graph, prefix: str, member: RegressorNetwork, shared: Mapping[str, NDArray[np.float32]]) -> str:
-    """The control weights [1, E] that one network answers; what all have in common is ``shared``."""
+def _squashed(graph: _Graph, free: str, straight: NDArray[np.float32]) -> str:
+    """Within 1, and as it is within ``straight`` (see Controls.coefficients)."""
+    left = graph.constant("bent_share", 1 - straight)
+    core = graph.clipped(free, graph.constant("straight_lower", -straight), graph.constant("straight_upper", straight))
+    bent = graph.node("Tanh", graph.node("Div", graph.node("Sub", free, core), left))
+    return graph.node("Add", core, graph.node("Mul", bent, left))
+
+
+def _answer(
+    graph: _Graph, features: str, prefix: str, member: RegressorNetwork, shared: Mapping[str, NDArray[np.float32]]
+) -> str:
+    """The control weights [1, E] that one network answers to ``features``; what all have in common is ``shared``."""
     own = {name: tensor.detach().cpu().numpy() for name, tensor in member.state_dict().items()}
     if any((own[name] != array).any() for name, array in shared.items()):
         raise ValueError("these networks are for different avatars")
-    features, rotation = INPUTS
+    _, rotation = INPUTS
     lower, upper = graph.constant("lower", shared["lower"]), graph.constant("upper", shared["upper"])
     centred = graph.node("Sub", features, graph.constant(f"{prefix}feature_mean", own["feature_mean"]))
     kappa = graph.node("MatMul", centred, graph.learned(f"{prefix}projection", own["projection"]))

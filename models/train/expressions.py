@@ -14,7 +14,7 @@ SMALL_SHARE = 0.5
 """How often a whole face is done less strongly: people do most things by half."""
 OTHER_HALF = (0.3, 1.0)
 """Where it does not, the right side of a mixture does so much of what the left does."""
-SPOKEN_SHARE = 0.4
+SPOKEN_SHARE = 0.35
 """How many faces speak and feel something, which is what people do before a camera."""
 BARED_SHARE = 0.5
 """How many of these show teeth, most of them with the jaw all but closed, as grins and hissed sounds do. How an avatar
@@ -22,8 +22,11 @@ is read there does not follow from how it is read with its jaw open."""
 AROUND_TEETH = ("mouthStretch", "mouthSmile", "mouthFunnel", "mouthFrown", "noseSneer", "mouthDimple", "mouthPucker",
                 "mouthShrugUpper", "mouthPress", "browDown", "browInnerUp")  # fmt: skip
 """What a face that bares its teeth may do besides."""
-MIXED_SHARE = 0.35
+MIXED_SHARE = 0.3
 """How many faces are mixtures of any movements at once: what people do together nobody has listed."""
+GRINNING_SHARE = 0.12
+"""How many grin or laugh, and not by halves. It is what people do most before a camera, and where the tracker's score
+has all but ended, so that only many examples tell half a smile from a whole one."""
 MOST_OF_MOUTH, MOST_OF_REST = 7, 4
 """Movements of the mouth, and of all else but the gaze, in one mixture."""
 COMPOUNDS: tuple[dict[str, float], ...] = (
@@ -64,14 +67,17 @@ def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
     """``count`` random faces as ARKit weights [count, 52] in [0, 1]; the first is neutral."""
     faces = np.zeros((count, len(NAMES)))
     for face in faces[1:]:
-        kind = rng.random()
-        if kind < SPOKEN_SHARE:
+        kind, small = rng.random(), rng.random() < SMALL_SHARE
+        if kind < GRINNING_SHARE:
+            face += _grin(rng)
+            small = False
+        elif kind < GRINNING_SHARE + SPOKEN_SHARE:
             face += _speak(rng)
-        elif kind < SPOKEN_SHARE + MIXED_SHARE:
+        elif kind < GRINNING_SHARE + SPOKEN_SHARE + MIXED_SHARE:
             _mix(face, rng)
         else:
             _compose(face, rng)
-        if rng.random() < SMALL_SHARE:
+        if small:
             face *= rng.uniform(0.1, 1)
         if rng.random() < 0.7:
             _look(face, rng)
@@ -87,6 +93,24 @@ def _speak(rng: np.random.Generator) -> NDArray[np.float32]:
             bared += weights_of(**{name: rng.beta(1, 1.2)})
         face = rng.choice([0, 0.5, 1]) * face + rng.uniform(0.3, 1.1) * bared
     return plausible(face[None])[0]
+
+
+def _grin(rng: np.random.Generator) -> NDArray[np.float32]:
+    """A smile from half to whole, with or without teeth, laughing or not; what else the mouth does stays small."""
+    smile = rng.uniform(0.4, 1)
+    face = weights_of(mouthSmile=smile)
+    if rng.random() < 0.7:
+        face += smile * weights_of(mouthUpperUp=rng.uniform(0, 1), mouthLowerDown=rng.beta(1, 1.5))
+    if rng.random() < 0.5:
+        face += weights_of(jawOpen=rng.beta(1, 2.5))
+    face += weights_of(cheekSquint=rng.uniform(0, 0.8), eyeSquint=rng.uniform(0, 0.6), eyeBlink=rng.beta(0.5, 4))
+    face += weights_of(**{str(rng.choice(("browInnerUp", "browOuterUp", "browDown"))): rng.beta(0.5, 2)})
+    for name in rng.choice(AROUND_TEETH, rng.integers(0, 3), replace=False):
+        face += weights_of(**{name: rng.beta(0.8, 3)})
+    if rng.random() >= SYMMETRIC_SHARE:
+        for _, right in PARTNERS:
+            face[right] *= rng.uniform(0.6, 1.0)
+    return face
 
 
 def _compose(face: NDArray[np.float64], rng: np.random.Generator) -> None:

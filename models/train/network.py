@@ -5,7 +5,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from ..driver.features import SCORES
+from ..driver.features import DIMENSION, SCORES
 from .controls import Controls
 from .reduction import Reduction
 
@@ -18,7 +18,9 @@ class RegressorNetwork(nn.Module):
     """Relative features r [B, D] and head rotation [B, 3] (radians) to control weights, and on to coefficients.
 
     weights = clip(start(r) + reach tanh(MLP(kappa, rotation)[leaders]))
-    k = 3 sigma tanh((rest + weights @ to_coefficients) / (3 sigma))
+    k = 3 sigma f((rest + weights @ to_coefficients) / (3 sigma))
+
+    f is tanh (equation 4) for coefficients; for ARKit weights it begins to bend at ``controls.STRAIGHT``.
 
     ``start`` is the unlearned reading of the scores, so that an untrained network already drives.
     """
@@ -26,12 +28,14 @@ class RegressorNetwork(nn.Module):
     feature_mean: Tensor
     projection: Tensor
     start: Tensor
+    least: Tensor
     lower: Tensor
     upper: Tensor
     reach: Tensor
     rest: Tensor
     to_coefficients: Tensor
     limit: Tensor
+    straight: Tensor
     pairs: Tensor
     leaders: Tensor
 
@@ -44,12 +48,15 @@ class RegressorNetwork(nn.Module):
         constant("feature_mean", reduction.mean)
         constant("projection", reduction.projection)
         constant("start", controls.start)
+        constant("least", np.full(DIMENSION, -np.finfo(np.float32).max))
+        self.least[SCORES] = torch.from_numpy(controls.least)
         constant("lower", controls.lower)
         constant("upper", controls.upper)
         constant("reach", controls.reach)
         constant("rest", controls.rest)
         constant("to_coefficients", controls.to_coefficients)
         constant("limit", controls.limit)
+        constant("straight", np.array(controls.straight))
         self.register_buffer("pairs", torch.from_numpy(controls.pairs))
         self.register_buffer("leaders", torch.from_numpy(controls.leaders))
         inputs = reduction.projection.shape[1] + 3 + len(controls.lower)
@@ -70,6 +77,7 @@ class RegressorNetwork(nn.Module):
     def inputs(self, features: Tensor, rotation: Tensor) -> tuple[Tensor, Tensor]:
         """What the layers read [B, I], and the unlearned control weights [B, E] that they move; nothing in them is
         learned, so that training needs them only once."""
+        features = torch.maximum(features, self.least)
         kappa = ((features - self.feature_mean) @ self.projection).clamp(-KAPPA_LIMIT, KAPPA_LIMIT)
         start = self.started(features)
         return torch.cat([kappa, rotation, start], 1), start
@@ -92,5 +100,6 @@ class RegressorNetwork(nn.Module):
 
     def forward(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Coefficients [B, coefficients], inside +-3 sigma."""
-        free = self.rest + self.weights(features, rotation) @ self.to_coefficients
-        return self.limit * torch.tanh(free / self.limit)
+        free = (self.rest + self.weights(features, rotation) @ self.to_coefficients) / self.limit
+        core, left = free.clamp(-self.straight, self.straight), 1 - self.straight
+        return self.limit * (core + left * torch.tanh((free - core) / left))

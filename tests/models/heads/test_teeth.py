@@ -45,7 +45,7 @@ def test_only_the_lower_arch_follows_the_jaw() -> None:
 
 
 def test_teeth_darken_towards_the_cheeks_and_in_a_mouth_nearly_shut() -> None:
-    picture = paint_teeth()
+    picture = paint_teeth(1.0)
     crown = picture[MAP_HEIGHT // 5].mean(-1)
     middle = len(crown) // 2
     assert crown[middle - 120 : middle + 120].max() > 2 * crown[: len(crown) // 5].max()
@@ -53,9 +53,16 @@ def test_teeth_darken_towards_the_cheeks_and_in_a_mouth_nearly_shut() -> None:
     assert opacity_logit(0.1) < opacity_logit(0.45) < opacity_logit(0.9)
 
 
+def test_bright_teeth_have_the_gums_of_dim_ones() -> None:
+    dim, bright = paint_teeth(1.0), paint_teeth(1.3)
+    np.testing.assert_allclose(bright.max(), 1.3 * dim.max(), rtol=1e-3)
+    gum = MAP_HEIGHT // 80
+    np.testing.assert_array_equal(bright[gum], dim[gum])
+
+
 def test_crowns_are_told_apart_and_the_lower_row_is_darker() -> None:
     """In a grin as large as a head of 512 pixels; a white slab is what one takes them for otherwise."""
-    bright = paint_teeth().mean(-1)
+    bright = paint_teeth(1.0).mean(-1)
     half = MAP_HEIGHT // 2
     upper, lower = bright[int(0.42 * half)], bright[half + int(0.42 * half)]
     per_mm = len(upper) / (2 * MAP_REACH_MM)

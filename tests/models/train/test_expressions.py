@@ -36,6 +36,15 @@ def test_teeth_are_bared_with_the_jaw_closed() -> None:
     assert (closed & (upper > 0.7)).sum() >= 60
 
 
+def test_whole_smiles_are_nothing_rare() -> None:
+    """Of a score that has all but ended the rest must be learned from other channels, and from many."""
+    weights = random_weights(4000, np.random.default_rng(0))
+    smile = np.minimum(*(weights[:, NAMES.index(f"mouthSmile{half}")] for half in ("Left", "Right")))
+    assert (smile > 0.6).mean() > 0.08
+    teeth = weights[:, NAMES.index("mouthUpperUpLeft")] > 0.3
+    assert 0.2 < teeth[smile > 0.6].mean() < 0.8
+
+
 def test_random_coefficients_respect_their_bounds() -> None:
     controls = controls_of(toy_gem(rigged=False))
     weights = random_coefficients(controls, 500, np.random.default_rng(0))

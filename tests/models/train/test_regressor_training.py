@@ -9,7 +9,7 @@ import onnxruntime
 import pytest
 from gemheads.models.arkit import NAMES
 from gemheads.models.driver.baseline import GAIN, baseline_weights
-from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
+from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES, score
 from gemheads.models.driver.regressor import Regressor, RegressorError
 from gemheads.models.gemfile import load_gem, save_gem
 
@@ -17,7 +17,15 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 
 from gemheads.models.train import rehearsal, response, train_regressor  # noqa: E402
 from gemheads.models.train.channels import channel_indices, channel_tolerances  # noqa: E402
-from gemheads.models.train.controls import HARDLY_READ, HARDLY_READ_REACH, UNREAD, Controls, controls_of  # noqa: E402
+from gemheads.models.train.controls import (  # noqa: E402
+    DEEPEST,
+    HARDLY_READ,
+    HARDLY_READ_REACH,
+    STRAIGHT,
+    UNREAD,
+    Controls,
+    controls_of,
+)
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.expressions import random_weights  # noqa: E402
 from gemheads.models.train.network import RegressorNetwork  # noqa: E402
@@ -61,6 +69,25 @@ def test_the_exported_graph_is_the_network(rigged: bool) -> None:
     assert np.ptp(got, axis=0).max() > 0.1
 
 
+def test_what_falls_below_a_rest_that_reads_as_something_is_not_heeded() -> None:
+    """But where somebody looks is, and so is all that an avatar of a capture reads of its own person."""
+    features, still = relative_features(20, 1), torch.zeros(20, 3)
+
+    def moved(controls: Controls, name: str) -> float:
+        network = network_of(controls)
+        fallen = [features.copy() for _ in range(2)]
+        for amount, one in zip((DEEPEST, 0.5), fallen, strict=True):
+            score(one, name)[...] = -amount
+        with torch.no_grad():
+            near, far = (network(torch.from_numpy(one), still) for one in fallen)
+        return float((near - far).abs().max())
+
+    assert moved(controls_of(toy_gem()), "mouthPucker") == 0
+    assert moved(controls_of(toy_gem()), "browInnerUp") == 0
+    assert moved(controls_of(toy_gem()), "eyeLookInLeft") > 0
+    assert moved(controls_of(toy_gem(rigged=False)), "mouthPucker") > 0
+
+
 def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
     controls = controls_of(toy_gem())
     members = [network_of(controls), network_of(controls, trained=False)]
@@ -71,8 +98,7 @@ def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
     with torch.no_grad():
         seen = torch.from_numpy(features), torch.from_numpy(rotations)
         weights = torch.stack([member.weights(*seen) for member in members]).mean(0)
-        free = members[0].rest + weights @ members[0].to_coefficients
-        wanted = (members[0].limit * torch.tanh(free / members[0].limit)).numpy()
+    wanted = controls.coefficients(weights.numpy())
     np.testing.assert_allclose(got, wanted, atol=1e-4)
     alone = Regressor(export_onnx(members[:1]), toy_gem().coefficient_count)
     assert max(np.abs(g - alone(f, r)).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
@@ -222,12 +248,27 @@ def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_the_weights_of_coefficients_are_found_again() -> None:
     controls = controls_of(load_gem(MARA))
-    weights = random_weights(300, np.random.default_rng(0)) * 0.6
+    weights = random_weights(300, np.random.default_rng(0))
     np.testing.assert_allclose(controls.weights(controls.coefficients(weights)), weights, atol=2e-3)
     beyond = controls.weights(np.stack([controls.limit, -controls.limit]))
     assert np.isfinite(beyond).all()
     assert (beyond >= controls.lower).all()
     assert (beyond <= controls.upper).all()
+
+
+@pytest.mark.parametrize("avatar", sorted(MARA.parent.glob("*.gem")), ids=lambda path: path.stem)
+def test_whole_expressions_are_made_whole(avatar: Path) -> None:
+    """Equation 4's tanh takes an eighth of a whole smile."""
+    gem = load_gem(avatar)
+    controls = controls_of(gem)
+    for name in ("mouthSmile", "mouthPucker", "eyeBlink", "browInnerUp"):
+        weights = np.array([n.startswith(name) for n in NAMES], "f4")
+        asked, made = gem.arkit_coefficients(weights), controls.coefficients(weights)
+        moved = (asked - gem.rest_coefficients) / controls.limit
+        assert (made - gem.rest_coefficients) / controls.limit @ moved / (moved @ moved) > 0.9
+        assert (np.abs(made) <= controls.limit).all()
+        near = np.abs(asked) < STRAIGHT * controls.limit
+        np.testing.assert_allclose(made[near], asked[near], atol=1e-5 * np.abs(asked).max())
 
 
 def test_a_regressor_is_remembered_as_the_network_it_was() -> None:
