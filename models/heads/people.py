@@ -59,7 +59,7 @@ class Person:
     sclera: Rgb = (0.54, 0.527, 0.51)
     """The white of the eyes, linear light; beside dark skin a bright one would stare."""
     enamel: float = 1.0
-    """Brightness of the teeth: beside fair skin those of dark faces would be grey."""
+    """How bright the teeth are, 1 as beside dark skin: as bright as that they look grey beside fair skin."""
     freckles: float = 0.0
     """0..1"""
     stubble: float = 0.0

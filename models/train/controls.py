@@ -39,12 +39,14 @@ training moves them as one. Each by itself would squint where that is read a lit
 
 STRAIGHT = 0.8
 """Of 3 sigma: as far as this, ARKit weights make the coefficients that they stand for. Equation 4's tanh bends from the
-first: of a whole smile it leaves .88, of a raised upper lip .75, so that no training could make an avatar laugh."""
+first: of a whole smile it leaves .86, of a raised upper lip .77, so that no training could make an avatar laugh; this
+leaves .97 and .86 (the middle of three avatars, ``tests/bench/smiles.py``)."""
 DEEPEST = 0.05
 """So far below their rest's scores of what people do are heeded, but for those of gaze. A rest may read as pursed or
 raised; a smile then takes that back, which says no more than that it smiles. Avatars' rests read as next to nothing:
 what falls further no training has seen, and networks made frowns of it."""
-_UNHEEDED = -1e30
+UNBOUNDED = float(np.finfo(np.float32).min)
+"""Least relative score of what is heeded however far it falls."""
 _NEARLY_ONE = 0.9999
 """Of 3 sigma: what is nearer to it cannot be told from it."""
 _RIDGE = 1e-6
@@ -76,7 +78,7 @@ class Controls:
     straight: float = 0.0
     """Share of the limit, below 1, up to which coefficients are what the weights stand for; the rest of the way they
     approach it as tanh does. 0 is equation 4 to the letter."""
-    least: NDArray[np.float32] = field(default_factory=lambda: np.full(len(SCORE_NAMES), _UNHEEDED, np.float32))
+    least: NDArray[np.float32] = field(default_factory=lambda: np.full(len(SCORE_NAMES), UNBOUNDED, np.float32))
     """[scores] least relative score that is heeded."""
 
     def coefficients(self, weights: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -125,7 +127,7 @@ def controls_of(gem: Gem) -> Controls:
         gem.rest_coefficients,
         CLAMP_SIGMAS * gem.sigma,
         STRAIGHT,
-        np.array([_UNHEEDED if name.startswith("eyeLook") else -DEEPEST for name in SCORE_NAMES], np.float32),
+        np.array([UNBOUNDED if name.startswith("eyeLook") else -DEEPEST for name in SCORE_NAMES], np.float32),
     )
 
 

@@ -68,16 +68,16 @@ def random_weights(count: int, rng: np.random.Generator) -> NDArray[np.float32]:
     faces = np.zeros((count, len(NAMES)))
     for face in faces[1:]:
         kind, small = rng.random(), rng.random() < SMALL_SHARE
-        if kind < GRINNING_SHARE:
+        grins = kind < GRINNING_SHARE
+        if grins:
             face += _grin(rng)
-            small = False
         elif kind < GRINNING_SHARE + SPOKEN_SHARE:
             face += _speak(rng)
         elif kind < GRINNING_SHARE + SPOKEN_SHARE + MIXED_SHARE:
             _mix(face, rng)
         else:
             _compose(face, rng)
-        if small:
+        if small and not grins:
             face *= rng.uniform(0.1, 1)
         if rng.random() < 0.7:
             _look(face, rng)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from ..driver.features import DIMENSION, SCORES
-from .controls import Controls
+from .controls import UNBOUNDED, Controls
 from .reduction import Reduction
 
 HIDDEN = 256
@@ -48,7 +48,7 @@ class RegressorNetwork(nn.Module):
         constant("feature_mean", reduction.mean)
         constant("projection", reduction.projection)
         constant("start", controls.start)
-        constant("least", np.full(DIMENSION, -np.finfo(np.float32).max))
+        constant("least", np.full(DIMENSION, UNBOUNDED))
         self.least[SCORES] = torch.from_numpy(controls.least)
         constant("lower", controls.lower)
         constant("upper", controls.upper)
