@@ -64,6 +64,8 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
                 bar.advance()
         except CaptureError as error:
             raise InputError(str(error)) from error
+        except ValueError as error:
+            raise InputError(f"{avatar}: cannot be fitted: {error}") from error
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
     if worst is None:

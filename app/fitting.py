@@ -111,7 +111,7 @@ class _Fitter:
     def __init__(self, cast: Avatar, source: Source, wish: FitWish) -> None:
         from ..models.train.fit import FIRST, THOROUGH
 
-        self._gem, self._source = cast.gem, source
+        self._gem, self._avatar, self._source = cast.gem, cast.path, source
         self._effort: Effort = THOROUGH if wish.thorough else FIRST
         width, height = source.size
         if min(width, height) < LEAST_SIDE:
@@ -148,7 +148,10 @@ class _Fitter:
         start = None if before is None else before.start
         if start is None and (guess := self._guesser.guess(rgb)) is not None:
             start = Start(guess.coefficients, HeadPose(guess.turn, guess.move))
-        return fit(self._gem, [rgb], [self._camera], self._background, start, effort)
+        try:
+            return fit(self._gem, [rgb], [self._camera], self._background, start, effort)
+        except ValueError as error:
+            raise InputError(f"{self._avatar}: cannot be fitted: {error}") from error
 
     def _kept(self, frame: Frame, rgb: NDArray[np.uint8], found: "Fit") -> Fitted:
         from ..models.train.fit import error_map, limit_share

@@ -13,12 +13,20 @@ from .blending import blend, blend_back
 from .projecting import SHAPE, SHARES, SUMS, project, project_back
 from .tensors import GaussianTensors
 
+MOST_PAIRS = 2**24
+"""Of a splat and a tile that it reaches: each holds 42 bytes until the gradient is known, so 700 MB. A head in a
+portrait has a hundredth of it."""
+
+
+class TooManyPairs(ValueError):
+    """Splats so large that their gradient would fill the memory."""
+
 
 def render(
     gaussians: GaussianTensors, camera: Camera, world_to_camera: Tensor, background: Tensor | None = None
 ) -> Tensor:
     """[H, W, 4] float32 premultiplied RGBA of float32 splats, or [H, W, 3] RGB on ``background``, which is [3] or
-    [H, W, 3]; ``world_to_camera`` is [4, 4]. Both may be of any precision."""
+    [H, W, 3]; ``world_to_camera`` is [4, 4]. Both may be of any precision. Raises TooManyPairs."""
     lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height], np.float64)
     if background is not None:
         background = background.to(gaussians.positions)
@@ -41,6 +49,11 @@ class _Splatting(torch.autograd.Function):
         spans, depths, firsts = np.empty((count, 4), np.int32), np.empty(count), np.empty(count + 1, np.int64)
         project(positions, wxyz, scales, opacities, colors, matrix, lens, centers, shapes, spans, depths, firsts)
         np.cumsum(firsts, out=firsts)
+        if firsts[-1] > MOST_PAIRS:
+            raise TooManyPairs(
+                f"its {count:,} splats reach {firsts[-1]:,} tiles of a picture of {width}x{height}, more than"
+                f" {MOST_PAIRS:,} together: they are far too large, or the camera is far too near"
+            )
         orders = np.empty((2, count), np.int32)
         visible = front_to_back(depths, orders)
         columns, rows = -(-width // TILE), -(-height // TILE)

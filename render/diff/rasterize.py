@@ -38,6 +38,7 @@ def rasterize(
 
     Raises:
         ValueError: where shapes, dtypes or devices do not agree, or ``cpu`` is asked for anything but float32.
+        cpu.TooManyPairs: a ValueError, where ``cpu`` would have to remember more than fits the memory.
     """
     like = gaussians.positions
     if world_to_camera is None:

@@ -22,6 +22,8 @@ from gemheads.render.software import SoftwareEngine
 
 pytest.importorskip("torch", reason="fitting needs the extra gemheads[train]")
 
+from gemheads.render.diff import cpu
+
 AVATAR = Path(__file__).parents[2] / "assets" / "avatars" / "mara.gem"
 GREY = (0.75, 0.75, 0.75)
 STILL = np.zeros(3, np.float32)
@@ -102,6 +104,18 @@ def test_what_cannot_be_fitted_is_told(tiny: Path, tmp_path: Path, capsys: pytes
         assert told.startswith("error: ")
         assert told.count("\n") == 1
         assert what in told
+    assert not (tmp_path / "a.track").exists()
+
+
+def test_an_avatar_of_splats_that_would_fill_the_memory_is_refused(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cpu, "MOST_PAIRS", 100)
+    shot = str(saved(np.zeros((64, 48, 3), np.uint8), tmp_path / "shot.png"))
+    assert main(["fit", str(tiny), shot, "-o", str(tmp_path / "a.track")]) == ExitCode.INPUT
+    told = capsys.readouterr().err
+    assert told.startswith(f"error: {tiny}: cannot be fitted: its ")
+    assert "far too large" in told
     assert not (tmp_path / "a.track").exists()
 
 

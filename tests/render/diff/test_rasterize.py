@@ -2,6 +2,7 @@
 
 import dataclasses
 import logging
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from ..scenes import awkward, portrait_camera, shell
 
 torch = pytest.importorskip("torch", reason="torch is the optional extra gemheads[train]")
 
-from gemheads.render.diff import cuda  # noqa: E402
+from gemheads.render.diff import cpu, cuda  # noqa: E402
 from gemheads.render.diff import rasterize as door  # noqa: E402
 from gemheads.render.diff.rasterize import rasterize  # noqa: E402
 from gemheads.render.diff.tensors import GaussianTensors, RawTensors, tensors_of  # noqa: E402
@@ -236,6 +237,17 @@ def test_wrong_input_is_refused() -> None:
         dataclasses.replace(splats, opacities=splats.opacities[:, None])
     with pytest.raises(ValueError, match="bring them together"):
         dataclasses.replace(splats, colors=splats.colors.float())
+
+
+def test_splats_that_would_fill_the_memory_are_refused_before_they_do() -> None:
+    sound, camera = shell(60_000), portrait_camera(512, 512)
+    huge = tensors_of(dataclasses.replace(activate(sound), scales=np.ones((60_000, 3), np.float32)))
+    tracemalloc.start()
+    with pytest.raises(cpu.TooManyPairs, match="far too large"):
+        rasterize(huge, camera, engine="cpu")
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 32e6
 
 
 def test_input_changed_before_backward_is_noticed() -> None:
