@@ -18,7 +18,7 @@ class TrainingWish:
     companions: tuple[Path, ...] = ()
     former: Path | None = None
     pictures: int = 4000
-    steps: int = 3000
+    steps: int = 9000
     seed: int = 0
 
 

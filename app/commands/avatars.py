@@ -188,7 +188,7 @@ def train_regressor(
         take_over: An avatar with ARKit shapes and a regressor: this one does what it has learned, and nothing is
             trained; for an avatar that was baked anew and reads as before.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
-        steps: Training steps of a network. Default: 3,000; with a capture 6,000.
+        steps: Training steps of a network. Default: 9,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
         labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the
             avatar does at its moments. Default: they are fitted.

@@ -22,6 +22,8 @@ MOUTH_SPREAD = 0.5
 """Standard deviation of what is added to each channel of an invented person's mouth, in that channel's own spread, for
 a mouth that moves as much as most do; for others in proportion. Channels go together otherwise on people's mouths than
 on avatars'; a regressor that knows the latter alone takes strangers' mouths for those of an avatar."""
+AT_ONCE = 20_000
+"""Moments are invented in parts of so many: all of them together would take twice the memory."""
 NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
 """Standard deviation of the tracker's noise per block, in the block's unit."""
 
@@ -89,6 +91,26 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
     (features and rotations of unlabelled real faces) where there is any, whose leak is taken to be the mean one.
     """
     leaks = np.stack([pose_leak(person.seen) for person in people])
+    fronts = [from_the_front(person) for person in people]
+    sizes = [min(AT_ONCE, count - first) for first in range(0, count, AT_ONCE)]
+    parts = [_invented(people, leaks, fronts, footage, size, rng) for size in sizes]
+    return Crowd(
+        np.concatenate([part.features for part in parts]),
+        np.concatenate([part.rotations for part in parts]),
+        np.concatenate([part.wanted for part in parts]),
+        np.concatenate([part.resting for part in parts]),
+    )
+
+
+def _invented(
+    people: Sequence[Person],
+    leaks: Floats,
+    fronts: Sequence[Floats],
+    footage: Floats,
+    count: int,
+    rng: np.random.Generator,
+) -> Crowd:
+    """``leaks`` [A, 3, D] and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``."""
     which = rng.integers(len(people), size=count)
     features = np.empty((count, DIMENSION), np.float32)
     rotations = np.empty((count, 3), np.float32)
@@ -98,7 +120,7 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
         rows = np.flatnonzero(which == index)
         picked = rng.integers(len(person.seen), size=len(rows))
         features[rows], rotations[rows] = person.seen.features[picked], person.seen.rotations[picked]
-        wanted[rows] = from_the_front(person)[picked]
+        wanted[rows] = fronts[index][picked]
         resting[rows] = at_rest(person.seen.weights)[picked]
     mixture = rng.dirichlet(np.ones(len(people)), count) * rng.normal(1, 0.4, (count, 1))
     mixture[np.arange(count), which] -= 1

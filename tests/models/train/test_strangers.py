@@ -46,6 +46,15 @@ def test_invented_people_move_their_scores_otherwise_than_the_avatar() -> None:
     assert 0.5 < people.features.std() / person.seen.features.std() < 2
 
 
+def test_a_crowd_invented_in_parts_is_as_large_and_as_varied(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(0)
+    person = linear_person(*(rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3)))
+    monkeypatch.setattr(strangers, "AT_ONCE", 60)
+    people = crowd([person], np.empty((0, DIMENSION + 3), "f4"), 200, rng)
+    assert [len(array) for array in vars(people).values()] == [200] * 4
+    assert len(np.unique(people.features, axis=0)) == 200
+
+
 def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
     rng = np.random.default_rng(0)
     shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
