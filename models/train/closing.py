@@ -8,6 +8,7 @@ from torch import Tensor, nn
 
 from .network import RegressorNetwork
 from .strangers import Crowd, Person
+from .threads import one_torch_thread
 
 BATCH = 256
 PRIOR = 0.3
@@ -78,6 +79,7 @@ class ClosedLoop:
         return self._responses[one](weights, torch.zeros(len(weights), 3)) - self._rests[one]
 
 
+@one_torch_thread()
 def descend(
     network: RegressorNetwork, loss: Callable[[int], Tensor], steps: int, progress: Callable[[str, int, int], None]
 ) -> None:

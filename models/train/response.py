@@ -17,6 +17,7 @@ from ..driver.features import feature_vector
 from ..gem import Gem
 from ..posing import pose_head
 from .controls import Controls
+from .threads import one_torch_thread
 
 PICTURE_SIZE = 320
 FOV_DEG = 20.0
@@ -155,6 +156,7 @@ class ResponseModel(nn.Module):
         return self.linear(inputs) + self.bend(inputs)
 
 
+@one_torch_thread()
 def fit_response(inputs: tuple[Tensor, Tensor], channels: Tensor, steps: int, seed: int) -> tuple[ResponseModel, float]:
     """Learns F from weights [S, E], rotations [S, 3] and channels [S, T] (in units of their tolerance); returns it with
     the share of variance (R2) it explains on a held-out tenth. Its parameters are frozen."""

@@ -142,10 +142,8 @@ def regressor_for(
     own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total))
     count = max(FEWEST_OF_STRANGERS, pictures)
     brief = max(1, steps // 3)
-    seen = [
-        pictures_of(one, count, seed + other, lambda done, total: progress("strangers", done, total))
-        for other, one in enumerate(companions, 1)
-    ]
+    # the avatar's own faces: what strangers do is then what the avatar's response knows best, lowered brows above all
+    seen = [pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total)) for one in companions]
     others = [person_of(one, brief, seed)[0] for one in seen]
     practised = former or _practised(gem)
     for _ in range(REHEARSALS):
