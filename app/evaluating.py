@@ -19,6 +19,7 @@ from .entrants import Entrant, entrants
 from .errors import ExitCode, InputError, OutputError, UsageError
 from .evaluation.page import page
 from .evaluation.summary import VERSION, about_capture, columns_json
+from .jobs import check_jobs
 from .judging import Judged, Lpips, held_out_shots, judge_on, seated
 from .opencapture import opened
 from .progress import ProgressBar
@@ -26,7 +27,6 @@ from .reports import versions
 from .sizing import Sizes, check_sizes, judge_sizes
 
 MOST_SHOTS = 1_000_000
-MOST_JOBS = 256
 JUDGED = "judged"
 """Folder in the report with what is not done again."""
 PAGE, FIGURES = "report.html", "report.json"
@@ -91,8 +91,7 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
         raise UsageError("nothing to judge by: give a CAPTURE, or --drivers VIDEO..., or both")
     if wish.shots is not None and not 1 <= wish.shots <= MOST_SHOTS:
         raise UsageError(f"--shots {wish.shots}: choose from 1 to {MOST_SHOTS}, or --all")
-    if wish.jobs is not None and not 1 <= wish.jobs <= MOST_JOBS:
-        raise UsageError(f"--jobs {wish.jobs}: choose from 1 to {MOST_JOBS}")
+    check_jobs(wish.jobs)
     if wish.components and capture is None:
         raise UsageError("--components: give a CAPTURE to judge by")
     if out.suffix in (".html", ".json"):

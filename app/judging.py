@@ -2,7 +2,6 @@
 
 import hashlib
 import importlib.util
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import psutil
 from numpy.typing import NDArray
 
 from ..models.captures.heldout import HELD_OUT, judged_shots
@@ -22,6 +20,7 @@ from .entrants import Entrant
 from .errors import InputError, brief
 from .evaluation.pictures import Gallery, choose
 from .evaluation.summary import notes_of, split_table
+from .jobs import affordable_jobs
 from .progress import ProgressBar
 
 if TYPE_CHECKING:
@@ -142,8 +141,7 @@ def worth(pictures: int) -> int:
     """How many processes are worth starting for so many pictures of an avatar on this machine."""
     if pictures < FEW:
         return 1
-    room = psutil.virtual_memory().available // MEMORY
-    return max(1, min(os.cpu_count() or 1, room))
+    return affordable_jobs(MEMORY)
 
 
 def judge_on(jury: Jury, columns: Sequence[Entrant]) -> Judged:

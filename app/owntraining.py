@@ -9,19 +9,18 @@ from ..models.captures.layout import CaptureError
 from ..models.gemfile import load_gem, read_info, save_gem
 from .casting import open_avatar
 from .errors import ExitCode, InputError, NoFaceError, UsageError
+from .jobs import affordable_jobs
 from .opencapture import opened
 from .pictures import write_png
 from .places import check_places, save_learned
 from .progress import ProgressBar
 from .reports import write_json
+from .training import LEAST_PICTURES, MEMORY, check_learning
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
     from ..models.train.capture_regressor import CaptureRegressor
     from ..models.train.selfreenact import SelfReenactment
-
-LEAST_PICTURES = 40
-"""With fewer, nothing is known of how the avatar answers."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +37,8 @@ class OwnWish:
     """A track with the training moments; None: see ``training_moments``."""
     report: Path | None = None
     strip: Path | None = None
+    jobs: int | None = None
+    """Processes; None: as many as are worth it."""
 
 
 def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> ExitCode:
@@ -48,6 +49,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
     try:
         from ..models.train.capture_regressor import RegressorEffort, capture_regressor
         from ..models.train.footage import read_footage
+        from ..models.train.parallel import WorkerLost, Workers
         from ..models.train.response import AvatarNotSeen
         from ..models.train.selfreenact import self_reenactment
         from ..models.train.train_regressor import pictures_of
@@ -59,19 +61,20 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
     judged: SelfReenactment | None = None
     try:
-        with ProgressBar() as bar:
+        with ProgressBar() as bar, Workers(affordable_jobs(MEMORY) if wish.jobs is None else wish.jobs) as workers:
             moments = training_moments(cast, footage, wish.labels, bar)
             videos = read_footage(wish.videos, lambda done, total: bar.reach("videos", done, total))
+            count = max(200, wish.pictures // 4)
             others = [
-                pictures_of(load_gem(path), max(200, wish.pictures // 4), wish.seed, partial(bar.reach, "companions"))
+                pictures_of(load_gem(path), count, wish.seed, partial(bar.reach, "companions"), workers)
                 for path in (wish.companions if wish.pictures else ())
             ]
-            learned = capture_regressor(cast.gem, footage, moments, effort, others, videos, bar.reach)
+            learned = capture_regressor(cast.gem, footage, moments, effort, others, videos, bar.reach, workers)
             if footage.test:
                 judged = self_reenactment(learned.gem, footage, learned.neutral, progress=bar.reach)
     except AvatarNotSeen as error:
         raise NoFaceError(f"{error}; --pictures 0 learns without the avatar's own pictures") from error
-    except (CaptureError, ValueError) as error:
+    except (CaptureError, ValueError, WorkerLost) as error:
         raise InputError(str(error)) from error
     save_learned(partial(save_gem, learned.gem, basis=read_info(avatar).card.basis), out)
     if wish.report is not None:
@@ -85,10 +88,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
 def _check(wish: OwnWish) -> None:
     if wish.pictures and wish.pictures < LEAST_PICTURES:
         raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more, or 0 for the frames alone")
-    if wish.steps < 1:
-        raise UsageError(f"--steps {wish.steps}: choose 1 or more")
-    if wish.seed < 0:
-        raise UsageError(f"--seed {wish.seed}: choose 0 or more")
+    check_learning(wish.steps, wish.seed, wish.jobs)
 
 
 def _document(learned: "CaptureRegressor", judged: "SelfReenactment | None") -> dict[str, object]:

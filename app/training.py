@@ -5,9 +5,15 @@ from functools import partial
 from pathlib import Path
 
 from ..models.gemfile import load_gem, read_info, save_gem
-from .errors import ExitCode, InputError
+from .errors import ExitCode, InputError, UsageError
+from .jobs import affordable_jobs, check_jobs
 from .places import check_places, save_learned
 from .progress import ProgressBar
+
+MEMORY = 1_500_000_000
+"""Bytes that must be free for each process: a network that learns, with what it learns from, takes as much."""
+LEAST_PICTURES = 40
+"""With fewer, nothing is known of how the avatar answers."""
 
 
 @dataclass(frozen=True)
@@ -20,15 +26,21 @@ class TrainingWish:
     pictures: int = 4000
     steps: int = 9000
     seed: int = 0
+    jobs: int | None = None
+    """Processes; None: as many as are worth it."""
 
 
 def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode:
-    """Train the regressor of an avatar file and save the avatar with it. Raises InputError and OutputError."""
+    """Train the regressor of an avatar file and save the avatar with it. Raises CommandError."""
     try:
+        from ..models.train.parallel import WorkerLost
         from ..models.train.response import AvatarNotSeen
         from ..models.train.train_regressor import train_regressor
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
+    if wish.pictures < LEAST_PICTURES:
+        raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more")
+    check_learning(wish.steps, wish.seed, wish.jobs)
     for video in wish.videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
@@ -45,8 +57,10 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
                 steps=wish.steps,
                 seed=wish.seed,
                 progress=bar.reach,
+                jobs=affordable_jobs(MEMORY) if wish.jobs is None else wish.jobs,
             )
-    except (ValueError, AvatarNotSeen) as error:  # a GemFormatError, a RegressorError, or what is wrong with a video
+    # a ValueError is a GemFormatError, a RegressorError, or what is wrong with a video
+    except (ValueError, AvatarNotSeen, WorkerLost) as error:
         raise InputError(str(error)) from error
     save_learned(partial(save_gem, gem, basis=read_info(avatar).card.basis), out)
     print(
@@ -54,6 +68,15 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
         f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
     )
     return ExitCode.OK
+
+
+def check_learning(steps: int, seed: int, jobs: int | None) -> None:
+    """Raises UsageError for numbers that cannot be."""
+    if steps < 1:
+        raise UsageError(f"--steps {steps}: choose 1 or more")
+    if seed < 0:
+        raise UsageError(f"--seed {seed}: choose 0 or more")
+    check_jobs(jobs)
 
 
 def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:

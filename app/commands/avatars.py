@@ -171,6 +171,7 @@ def train_regressor(
     pictures: int = 4000,
     steps: int | None = None,
     seed: int = 0,
+    jobs: int | None = None,
     labels: Path | None = None,
     report: Path | None = None,
     strip: Path | None = None,
@@ -190,6 +191,8 @@ def train_regressor(
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps of a network. Default: 9,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
+        jobs: Processes that draw pictures and learn, of one thread each; the regressor is the same. Default: one for
+            each core, as far as memory goes.
         labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the
             avatar does at its moments. Default: they are fitted.
         report: With a capture: where figures on its held-out pictures go, as JSON.
@@ -216,11 +219,12 @@ def train_regressor(
             raise UsageError("--labels, --report and --strip need a capture; give its folder, too")
         former = None if rehearse_with is None else find_avatar(rehearse_with)
         lasting = TrainingWish.steps if steps is None else steps
-        return run_training(path, out, TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed))
+        wish = TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed, jobs)
+        return run_training(path, out, wish)
     if rehearse_with is not None:
         raise UsageError("--rehearse-with does not go with a capture, whose own frames say how its person moves")
     if len(captures) > 1:
         raise UsageError(f"{captures[1]}: is a second capture; an avatar is of one person, give one")
     lasting = OwnWish.steps if steps is None else steps
-    wish = OwnWish(tuple(videos), tuple(others), pictures, lasting, seed, labels, report, strip)
-    return run_own_training(path, captures[0], out or path, wish)
+    own = OwnWish(tuple(videos), tuple(others), pictures, lasting, seed, labels, report, strip, jobs)
+    return run_own_training(path, captures[0], out or path, own)

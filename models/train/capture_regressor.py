@@ -21,8 +21,10 @@ from .expressions import random_coefficients, random_weights
 from .fit import Start
 from .network import RegressorNetwork
 from .ownframes import Labelled, Pictured
+from .parallel import ALONE, Workers
 from .reduction import principal_components
-from .response import Responses, measure_responses
+from .response import Responses
+from .series import draw_series, in_series
 from .sightings import Neutral, Sightings, frontal_cameras, neutral_of, see
 from .strangers import Crowd, Person, crowd
 from .train_regressor import RESTING, Progress, person_of
@@ -76,6 +78,7 @@ def capture_regressor(
     companions: Sequence[Responses] = (),
     footage: Floats | None = None,
     progress: Progress = lambda stage, done, total: None,
+    workers: Workers = ALONE,
 ) -> CaptureRegressor:
     """Trains a regressor on a capture's training pictures.
 
@@ -87,9 +90,11 @@ def capture_regressor(
         companions: pictures of other avatars, which play strangers.
         footage: [S, D + 3] of unlabelled faces, as ``read_footage`` gives it.
         progress: told the stage, steps done and steps in all.
+        workers: who draw the avatar's pictures.
 
     Raises:
         CaptureError: where the tracker sees no neutral face, or the capture changed.
+        WorkerLost: where one of the workers is gone.
         AvatarNotSeen: where the tracker sees no face in the avatar's picture.
         ValueError: where the moments belong to none of the pictures, or no two faces differ.
     """
@@ -104,7 +109,8 @@ def capture_regressor(
     if effort.pictures:
         known = np.stack([moment.coefficients for moment in moments.values()])
         faces = invented(gem, controls, known, effort.pictures, rng)
-        own = measure_responses(gem, controls, faces, rng, lambda done, total: progress("pictures", done, total))
+        series = in_series(faces, rng)
+        own = draw_series(gem, controls, series, lambda done, total: progress("pictures", done, total), workers)
         others = _Others.around(own, sightings, companions, footage, effort, rng)
         spread = np.concatenate([spread, own.features, others.people.features[:8000]])
     torch.manual_seed(effort.seed)

@@ -5,8 +5,6 @@ Orders and answers go through pipes. A worker whose pipe ends, because its paren
 
 import multiprocessing
 import pickle
-import signal
-import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,6 +19,7 @@ from .contestants import Contestant
 from .evaluate import Moment, judged
 from .judge import Judge
 from .ledger import Record
+from .parallel import WorkerLost, deaf
 
 Opens = Callable[[Capture], Contestant]
 """Makes a contestant ready; has to be something that can be pickled."""
@@ -28,10 +27,6 @@ End = Any
 """Of a pipe: a Connection, on Windows a PipeConnection."""
 PATIENCE = 5.0
 """Seconds that a worker has to end by itself."""
-
-
-class WorkerLost(RuntimeError):
-    """A process that judged is gone."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +125,7 @@ class Crew:
             process = context.Process(
                 target=_work, args=(order_end, answer_end, self._capture, self._judge), daemon=True
             )
-            with _deaf():
+            with deaf():
                 process.start()
             # else a worker's pipe would not end with its parent, nor the parent's with the worker
             order_end.close()
@@ -149,18 +144,6 @@ class Shared:
     def records(self, moments: Sequence[Moment]) -> Iterator[tuple[str, Record]]:
         """See ``evaluate.Judging``; in the order in which they are done."""
         return self.crew.records(self.avatar, self.opens, moments)
-
-
-class _deaf:
-    """Processes started in here do not hear Ctrl-C, which a terminal tells all: their parent decides."""
-
-    def __enter__(self) -> None:
-        here = threading.current_thread() is threading.main_thread()
-        self._before = signal.signal(signal.SIGINT, signal.SIG_IGN) if here else None
-
-    def __exit__(self, *_: object) -> None:
-        if self._before is not None:
-            signal.signal(signal.SIGINT, self._before)
 
 
 def _work(orders: End, answers: End, capture: Capture, judge: Callable[[], Judge]) -> None:

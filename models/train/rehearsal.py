@@ -14,7 +14,9 @@ from ..driver.regressor import Regressor
 from ..gem import Gem
 from .controls import Controls
 from .network import RegressorNetwork
-from .response import Responses, measure_responses
+from .parallel import ALONE, Workers
+from .response import Responses
+from .series import draw_series, in_series
 from .strangers import Crowd
 
 FRONTAL_SHARE = 0.4
@@ -43,12 +45,13 @@ def rehearse(
     people: Crowd,
     rng: np.random.Generator,
     progress: Callable[[int, int], None] = lambda done, total: None,
+    workers: Workers = ALONE,
 ) -> Responses:
     """Draws and reads the avatar as it follows each moment of ``people`` with ``answers`` [S, E]. Raises
-    AvatarNotSeen."""
+    AvatarNotSeen, WorkerLost."""
     moved = rng.random((len(people), 1)) < UNREST_SHARE
     played = answers + moved * rng.normal(0, UNREST, answers.shape)
     weights = np.clip(played, controls.lower, controls.upper).astype(np.float32)
     rotations = people.rotations.copy()
     rotations[rng.random(len(people)) < FRONTAL_SHARE] = 0
-    return measure_responses(gem, controls, weights, rng, progress, rotations)
+    return draw_series(gem, controls, in_series(weights, rng, rotations), progress, workers)

@@ -7,7 +7,6 @@ Twice, a g acts before the tracker, and F is learned again with these pictures, 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,9 +22,11 @@ from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .network import RegressorNetwork
-from .reduction import compared_channels
+from .parallel import ALONE, Advance, Workers
+from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
-from .response import Responses, fit_response, joined, measure_responses
+from .response import Responses, fit_response, joined
+from .series import LENGTH, Series, draw_series
 from .strangers import Crowd, Person, crowd, in_tolerances
 
 CROWD = 120_000
@@ -48,8 +49,6 @@ would find out where a single one errs. Of strangers, one says what to do."""
 COMMITTEE = 3
 """So many networks ship, each trained from random numbers of its own; the mean of their answers counts, in which what
 only one of them sees in a face it never saw is a third."""
-SERIES = 500
-"""Pictures are drawn in series of so many, each with random numbers of its own."""
 Progress = Callable[[str, int, int], None]
 
 
@@ -90,6 +89,7 @@ def train_regressor(
     steps: int = 9000,
     seed: int = 0,
     progress: Progress = lambda stage, done, total: None,
+    jobs: int = 1,
 ) -> tuple[Gem, TrainingReport]:
     """Trains a regressor for ``avatar``, and gives the avatar with it.
 
@@ -104,24 +104,30 @@ def train_regressor(
         steps: training steps of each network that ships; a response and the network that rehearses take a third.
         seed: makes the run repeatable.
         progress: called with the stage's name, steps done and steps in all.
+        jobs: processes that draw pictures and teach networks; what is learned does not depend on it.
 
     Raises:
         GemFormatError: for a file that is no avatar.
         RegressorError: where ``former`` has no regressor of use.
         AvatarNotSeen: where the tracker finds no face in the avatar's picture.
+        WorkerLost: where one of the processes is gone.
     """
     gem = load_gem(avatar)
     role = None if former is None else _former(load_gem(former), gem)
-    regressor, report = regressor_for(
-        gem,
-        [load_gem(path) for path in companions],
-        read_footage(videos, lambda done, total: progress("videos", done, total)),
-        former=role,
-        pictures=pictures,
-        steps=steps,
-        seed=seed,
-        progress=progress,
-    )
+    others = [load_gem(path) for path in companions]
+    footage = read_footage(videos, lambda done, total: progress("videos", done, total))
+    with Workers(jobs) as workers:
+        regressor, report = regressor_for(
+            gem,
+            others,
+            footage,
+            former=role,
+            pictures=pictures,
+            steps=steps,
+            seed=seed,
+            progress=progress,
+            workers=workers,
+        )
     return replace(gem, regressor=regressor), report
 
 
@@ -135,15 +141,19 @@ def regressor_for(
     steps: int,
     seed: int,
     progress: Progress = lambda stage, done, total: None,
+    workers: Workers = ALONE,
 ) -> tuple[bytes, TrainingReport]:
     """The ONNX graph of a regressor for ``gem``, and how well it does. ``footage`` as read_footage gives it;
     ``former``: what the first rehearsal plays instead of the regressor that ``gem`` has."""
     rng, controls = np.random.default_rng(seed), controls_of(gem)
-    own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total))
+    own = pictures_of(gem, pictures, seed, lambda done, total: progress("pictures", done, total), workers)
     count = max(FEWEST_OF_STRANGERS, pictures)
     brief = max(1, steps // 3)
     # the avatar's own faces: what strangers do is then what the avatar's response knows best, lowered brows above all
-    seen = [pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total)) for one in companions]
+    seen = [
+        pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total), workers)
+        for one in companions
+    ]
     others = [person_of(one, brief, seed)[0] for one in seen]
     practised = former or _practised(gem)
     for _ in range(REHEARSALS):
@@ -154,13 +164,16 @@ def regressor_for(
             answers, practised = remembered(practised.regressor, practised.controls, audience), None
         else:
             school = _School(controls, cast, footage, rng)
-            answers = answers_of(school.network(brief, seed, progress), audience)
-        acted = rehearse(gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total))
+            (network,) = school.networks(brief, [seed], progress)
+            answers = answers_of(network, audience)
+        acted = rehearse(
+            gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total), workers
+        )
         own = joined([own, acted])
     avatar, r2 = person_of(own, brief, seed, RESPONSES)
     school = _School(controls, [avatar, *others], footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
-    members = [school.network(steps, seed + one, progress) for one in range(COMMITTEE)]
+    members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
     return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
@@ -200,39 +213,58 @@ class _School:
         """``count`` moments of invented people."""
         return crowd(self._cast, self._footage, count, self._rng)
 
-    def network(self, steps: int, seed: int, progress: Progress) -> RegressorNetwork:
-        """A network of its own, trained."""
-        torch.manual_seed(seed)
-        network = RegressorNetwork(self.reduction, self._controls)
-        descend(network, ClosedLoop(network, self._cast[0], self._crowd).loss, steps, progress)
-        return network
+    def networks(
+        self, steps: int, seeds: Sequence[int], progress: Progress, workers: Workers = ALONE
+    ) -> list[RegressorNetwork]:
+        """Networks, each trained from random numbers of its own."""
+        lessons = _Lessons(self._controls, self.reduction, self._cast[0], self._crowd)
+        total = steps * len(seeds)
+        return workers.each(
+            _taught, [(lessons, steps, seed) for seed in seeds], lambda done: progress("regressor", done, total)
+        )
 
     def mismatch(self, members: Sequence[RegressorNetwork]) -> float:
         """Of the mean of their answers, on people held out of training."""
         return ClosedLoop(members[0], self._cast[0], self._judges).mismatch(members)
 
 
-def pictures_of(gem: Gem, count: int, seed: int, progress: Callable[[int, int], None] = _silent) -> Responses:
+@dataclass(frozen=True)
+class _Lessons:
+    """What a network is trained with."""
+
+    controls: Controls
+    reduction: Reduction
+    avatar: Person
+    people: Crowd
+
+
+def _taught(advance: Advance, lessons: _Lessons, steps: int, seed: int) -> RegressorNetwork:
+    torch.manual_seed(seed)
+    network = RegressorNetwork(lessons.reduction, lessons.controls)
+    loop = ClosedLoop(network, lessons.avatar, lessons.people)
+    descend(network, loop.loss, steps, lambda stage, done, total: advance())
+    return network
+
+
+def pictures_of(
+    gem: Gem, count: int, seed: int, progress: Callable[[int, int], None] = _silent, workers: Workers = ALONE
+) -> Responses:
     """``count`` pictures of an avatar with random faces, and at rest, as the tracker reads them; fewer where no face is
     seen.
 
-    Whole series are the same in however many pictures. Raises AvatarNotSeen.
+    Whole series are the same in however many pictures. Raises AvatarNotSeen, WorkerLost.
     """
-
-    def advance(first: int, done: int, _: int) -> None:
-        progress(first + done, count)
-
     controls = controls_of(gem)
-    parts: list[Responses] = []
-    for first in range(0, count, SERIES):
+    series: list[Series] = []
+    for first in range(0, count, LENGTH):
         rng = np.random.default_rng([seed, first])
         weights = (
-            random_coefficients(controls, SERIES, rng) if gem.arkit_weights is None else random_weights(SERIES, rng)
+            random_coefficients(controls, LENGTH, rng) if gem.arkit_weights is None else random_weights(LENGTH, rng)
         )
         weights = weights[: count - first]
         weights[len(weights) - int(RESTING * len(weights)) :] = 0
-        parts.append(measure_responses(gem, controls, weights, rng, partial(advance, first)))
-    return joined(parts)
+        series.append(Series(weights, rng))
+    return draw_series(gem, controls, series, progress, workers)
 
 
 def person_of(seen: Responses, steps: int, seed: int, responses: int = 1) -> tuple[Person, float]:

@@ -5,7 +5,7 @@ import pytest
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train import response, train_regressor  # noqa: E402
+from gemheads.models.train import response, series, train_regressor  # noqa: E402
 from gemheads.models.train.response import Responses  # noqa: E402
 from pixelface import PixelTracker, painted  # noqa: E402
 from toygem import toy_gem  # noqa: E402
@@ -13,15 +13,15 @@ from toynetwork import relative_features  # noqa: E402
 
 
 def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    def drawing(gem, controls, weights, rng, progress):
+    def drawing(gem, controls, weights, rng, progress, rotations):
         return Responses(weights, rng.normal(size=(len(weights), 3)), relative_features(len(weights)))
 
-    monkeypatch.setattr(train_regressor, "measure_responses", drawing)
-    few, more = (train_regressor.pictures_of(toy_gem(), count, 3) for count in (train_regressor.SERIES, 1300))
+    monkeypatch.setattr(series, "measure_responses", drawing)
+    few, more = (train_regressor.pictures_of(toy_gem(), count, 3) for count in (series.LENGTH, 1300))
     assert len(more) == 1300
     np.testing.assert_array_equal(few.weights, more.weights[: len(few)])
     np.testing.assert_array_equal(few.rotations, more.rotations[: len(few)])
-    assert np.abs(more.weights[train_regressor.SERIES] - more.weights[1]).max() > 0
+    assert np.abs(more.weights[series.LENGTH] - more.weights[1]).max() > 0
 
 
 def test_some_pictures_show_a_face_at_rest_that_turns_further(monkeypatch: pytest.MonkeyPatch) -> None:

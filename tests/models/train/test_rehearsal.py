@@ -12,7 +12,7 @@ from gemheads.models.gemfile import load_gem, save_gem
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train import rehearsal, train_regressor  # noqa: E402
+from gemheads.models.train import rehearsal, series, train_regressor  # noqa: E402
 from gemheads.models.train.controls import Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.response import Responses  # noqa: E402
@@ -35,7 +35,7 @@ def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> 
         drawn.append(Responses(weights, rotations, features))
         return drawn[-1]
 
-    monkeypatch.setattr(rehearsal, "measure_responses", drawing)
+    monkeypatch.setattr(series, "measure_responses", drawing)
     answers = rehearsal.answers_of(network, audience)
     acted = rehearsal.rehearse(toy_gem(), controls, answers, audience, rng)
     assert (acted.weights >= 0).all()
@@ -72,7 +72,7 @@ def recalled(monkeypatch: pytest.MonkeyPatch) -> list[Controls]:
         recalled.append(controls)
         return np.full((len(people), len(NAMES)), 0.125, "f4")
 
-    def acting(gem, controls, answers, people, rng, progress):
+    def acting(gem, controls, answers, people, rng, progress, workers):
         assert (answers == 0.125).all() == (len(recalled) > len(acted))
         acted.append(answers)
         return linear_person(shapes, leak, len(people), len(acted)).seen

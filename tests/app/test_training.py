@@ -1,0 +1,22 @@
+"""``gemheads train-regressor`` without a capture: what it refuses, before anything is learned."""
+
+import pytest
+
+pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--pictures", "0"), "--pictures 0: choose 40 or more"),
+        (("--steps", "0"), "--steps 0: choose 1 or more"),
+        (("--seed", "-1"), "--seed -1: choose 0 or more"),
+        (("--jobs", "0"), "--jobs 0: choose from 1 to 256"),
+    ],
+)
+def test_numbers_that_cannot_be(words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train-regressor", "mara", *words]) == ExitCode.USAGE
+    assert said in capsys.readouterr().err
