@@ -1,6 +1,7 @@
 """Who plays: an avatar's file opened and joined with what drives it."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from ..models import arkit
 from ..models.driver.baseline import baseline_weights
+from ..models.driver.nodding import Nodding, nodding_of
 from ..models.driver.regressor import Regressor, RegressorError
 from ..models.gem import Gem
 from ..models.gemfile import GemFormatError, load_gem
@@ -26,6 +28,11 @@ class Avatar:
     gem: Gem
     path: Path
     sha256: str
+
+    @cached_property
+    def nodding(self) -> Nodding:
+        """What its drivers' expressions only seem to nod."""
+        return nodding_of(self.gem)
 
     @property
     def lids(self) -> Floats:

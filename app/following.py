@@ -11,6 +11,7 @@ from ..models.driver.detector import Detection
 from ..models.driver.face import Box, FaceObservation
 from ..models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..models.driver.neutral import NeutralChoice
+from ..models.driver.nodding import Nodding
 from ..models.driver.smoothing import OneEuro, Smoothed, step
 from ..models.gem import Gem
 from .frames import Frame, is_cut, thumbnail
@@ -71,6 +72,8 @@ class Actor:
     gains: Floats | None = None
     """[coefficients, coefficients] what becomes of coefficients away from rest, multiplied from the right."""
     turn_gain: float = 1.0
+    nodding: Nodding | None = None
+    """What expressions only seem to nod; None takes nothing off."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +128,10 @@ def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Me
     """The face's features, relative to the neutral, through the regressor and the filters."""
     relative = feature_vector(face) - actor.neutral.features
     turn = relative_rotation(head_rotation(face), actor.neutral.rotation)
-    return take_on(actor, replace(memory, box=face.box_px), actor.express(relative, turn), turn, dt)
+    coefficients = actor.express(relative, turn)
+    if actor.nodding is not None:
+        turn = actor.nodding.taken_off(turn, coefficients)
+    return take_on(actor, replace(memory, box=face.box_px), coefficients, turn, dt)
 
 
 def take_on(actor: Actor, memory: Memory, coefficients: Floats, turn: Floats, dt: float) -> Memory:

@@ -81,6 +81,7 @@ def actor_for(avatar: Avatar, tracker: Tracker, express: Express, tuning: Tuning
         smoother(TURN_FILTER, smoothing),
         gain_matrix(avatar.gem, tuning),
         tuning.gain("head"),
+        avatar.nodding,
     )
 
 

@@ -57,7 +57,7 @@ def echo(
     mirror.restart()
     for i in range(len(clip.readings)):
         answer, rotation = answered(express, clip.readings[i], clip.neutral)
-        picture = mirror.draw(answer, rotation, components)
+        picture = mirror.follow(answer, rotation, components)
         reading = mirror.read(picture)
         seen.append(reading is not None)
         if reading is not None:

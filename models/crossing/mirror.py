@@ -7,6 +7,7 @@ from ...render.camera import orbit
 from ...render.compositing import over
 from ...render.software import SoftwareEngine
 from ..driver.face import FaceTracker
+from ..driver.nodding import nodding_of
 from ..gem import Gem
 from ..posing import pose_head
 from .reading import Image, Reading, read
@@ -31,6 +32,7 @@ class Mirror:
         viewing = gem.viewing
         distance = viewing.head_height / _HEAD_SHARE / (2 * np.tan(np.radians(_FOV_DEG) / 2))
         self.gem = gem
+        self.nodding = nodding_of(gem)
         self._camera = orbit(viewing.target, distance, 0, 0, _FOV_DEG, size, size)
         self._engine = SoftwareEngine()
         self._tracker = FaceTracker()
@@ -43,6 +45,13 @@ class Mirror:
         raw = gem.compose(np.asarray(coefficients, np.float32), components=components)
         raw = pose_head(raw, gem.neck_weights, gem.neck_pivot, np.asarray(rotation), np.zeros(3))
         return over(self._engine.draw(raw, self._camera), _BACKGROUND)
+
+    def follow(
+        self, coefficients: NDArray[np.floating], rotation: NDArray[np.floating], components: int | None = None
+    ) -> Image:
+        """The picture of the avatar that does what was read on a driver, as the product has it: without the part of the
+        head's ``rotation`` [3] that the expression only seems to nod."""
+        return self.draw(coefficients, self.nodding.taken_off(rotation, coefficients), components)
 
     def read(self, picture: Image) -> Reading | None:
         """What the tracker reads; None when it sees no face."""

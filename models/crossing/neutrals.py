@@ -45,7 +45,7 @@ def sway(clip: Clip, express: Express, mirror: Mirror, progress: Callable[[], No
         for place in places:
             answer, rotation = answered(express, clip.readings[int(place)], neutral)
             answers.append(answer)
-            reading = mirror.read(mirror.draw(answer, rotation))
+            reading = mirror.read(mirror.follow(answer, rotation))
             if reading is not None:
                 shown.append(reading)
                 seen.append(int(place))

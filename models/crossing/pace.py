@@ -33,7 +33,7 @@ def paces(clip: Clip, ways: Sequence[Express], mirror: Mirror) -> list[Pace]:
         reading = clip.readings[int(place)]
         for way, express in enumerate(ways):
             began = time.perf_counter()
-            picture = mirror.draw(*answered(express, reading, clip.neutral))
+            picture = mirror.follow(*answered(express, reading, clip.neutral))
             drawn = time.perf_counter()
             mirror.read(picture)
             spent[turn, way] = drawn - began, time.perf_counter() - drawn

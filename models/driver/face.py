@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from .detector import Detection, FaceDetector, overlap
 from .geometry import VERTICES, metric_pose, read_geometry
-from .networks import FOLDER, GEOMETRY_FILE, LANDMARKS_FILE, SCORES_FILE, SEEMING_FILE, Network, read_checked
+from .networks import FOLDER, GEOMETRY_FILE, LANDMARKS_FILE, SCORES_FILE, Network, read_checked
 from .points import NET_INPUT
 from .region import Region, eye_line_tilt, region_around
-from .seeming import read_seeming
 
 _CROP = 256
 _LEAST_PRESENCE = 0.5
@@ -44,11 +43,7 @@ class FaceObservation:
     embedding: NDArray[np.float32]
     """[512] what the landmark network knows before it gives landmarks."""
     head_pose: NDArray[np.float64]
-    """[4, 4] canonical face to camera, scale included: cm, y up, camera at the origin looking along -z; as if the face
-    were rigid."""
-    seeming_turn: NDArray[np.float64]
-    """[3] rotation vector in the canonical frame, radians: multiplied from the right it brings the head pose to where
-    the head is, whatever the face does. Of it the face's own shape makes up some degrees."""
+    """[4, 4] canonical face to camera, scale included: cm, y up, camera at the origin looking along -z."""
     metric_mesh: NDArray[np.float64]
     """[468, 3] landmarks with the head pose taken off: cm, x to the person's left, y up, z out of the face."""
     metric_irises: NDArray[np.float64]
@@ -77,7 +72,6 @@ class FaceTracker:
         self._landmarks = Network(folder, LANDMARKS_FILE, ("landmarks", "presence_logit", "embedding"))
         self._scores = Network(folder, SCORES_FILE, ("blendshapes", "mixer_embedding"))
         self._geometry = read_geometry(read_checked(folder, GEOMETRY_FILE))
-        self._seeming = read_seeming(read_checked(folder, SEEMING_FILE))
         self._region: Region | None = None
         self._last_box: Box | None = None
 
@@ -158,7 +152,6 @@ class FaceTracker:
             mixer=mixer.reshape(-1),
             embedding=embedding.reshape(-1),
             head_pose=pose,
-            seeming_turn=self._seeming.turn(metric[:VERTICES]),
             metric_mesh=metric[:VERTICES],
             metric_irises=metric[VERTICES:],
             image_size=(width, height),

@@ -68,9 +68,8 @@ def score(features: NDArray[np.floating], name: str) -> NDArray[np.floating]:
 
 def head_rotation(face: FaceObservation) -> NDArray[np.float64]:
     """[3] axis and angle, radians, of the head against the camera: x pitch (> 0 looks down), y yaw (> 0 turns to the
-    person's left), z roll (> 0 tilts to the person's right). What the face's shape only seems to turn is taken off;
-    between two pictures of one person that is what the expression does."""
-    return _rotvec(face.head_pose[:3, :3] @ _matrix(face.seeming_turn))  # its scale does not matter
+    person's left), z roll (> 0 tilts to the person's right)."""
+    return _rotvec(face.head_pose[:3, :3])  # its scale does not matter
 
 
 def relative_rotation(rotation: NDArray[np.float64], neutral: NDArray[np.float64]) -> NDArray[np.float64]:

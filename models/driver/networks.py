@@ -13,12 +13,10 @@ DETECTOR_FILE = "face_detector.onnx"
 LANDMARKS_FILE = "face_landmarks_detector.onnx"
 SCORES_FILE = "face_blendshapes.onnx"
 GEOMETRY_FILE = "geometry_pipeline_metadata_landmarks.binarypb"
-SEEMING_FILE = "seeming_turn.npy"
 SHA256 = {
     DETECTOR_FILE: "b8297c5c3262345bdea2e460774afc0137c0b726988406648270dd9fc20e8711",
     LANDMARKS_FILE: "f12fcafeae1cbb1f364ba9a37e781ff4ee5309c5b34e101519eaca3805e50b16",
     SCORES_FILE: "b2c4dbb71ea35da509ab31c1b763401a33932c67b9fce4f6258e99955d933483",
-    SEEMING_FILE: "0558ded446a9a4bf1b2ae1b28ed85b543d428df97eb4b3bbadc5dcdbf79e277a",
     GEOMETRY_FILE: "bdbcda96dfcb7da883da124aaa2c55dee49770d934f0fcc71747f8c21bdc75b4",
 }
 """What each file must hash to: features, neutrals and regressors are only valid with exactly these networks."""

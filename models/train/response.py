@@ -12,7 +12,7 @@ from ...render.camera import Camera, orbit
 from ...render.compositing import over
 from ...render.gaussians import RawGaussians
 from ...render.software import SoftwareEngine
-from ..driver.face import FaceObservation, FaceTracker
+from ..driver.face import FaceTracker
 from ..driver.features import feature_vector
 from ..gem import Gem
 from ..posing import pose_head
@@ -78,8 +78,10 @@ def measure_responses(
 
     Raises AvatarNotSeen when the neutral picture has no face.
     """
-    studio = Studio(gem)
-    neutral = feature_vector(studio.rest(rng))
+    studio = _Studio(gem)
+    neutral = studio.read(gem.rest_coefficients, np.zeros(3), rng, still=True)
+    if neutral is None:
+        raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{gem.name}'")
     if rotations is None:
         rotations = (rng.normal(size=(len(weights), 3)) * POSE_SPREAD).astype(np.float32)
         rotations[at_rest(weights)] *= RESTING_SPREAD
@@ -87,42 +89,31 @@ def measure_responses(
     kept: list[int] = []
     features: list[NDArray[np.float32]] = []
     for index in range(len(weights)):
-        seen = studio.look(controls.coefficients(weights[index]), rotations[index], rng)
+        seen = studio.read(controls.coefficients(weights[index]), rotations[index], rng)
         if seen is not None:
             kept.append(index)
-            features.append(feature_vector(seen) - neutral)
+            features.append(seen - neutral)
         progress(index + 1, len(weights))
     return Responses(
         weights[kept], rotations[kept], np.stack(features) if features else np.empty((0, len(neutral)), "f4")
     )
 
 
-class Studio:
-    """One avatar before a camera that the face tracker looks through."""
-
+class _Studio:
     def __init__(self, gem: Gem) -> None:
-        """Opens the tracker; the pictures are drawn in software."""
         self._gem = gem
         self._engine = SoftwareEngine()
         self._tracker = FaceTracker()
         self._composed: RawGaussians | None = None
 
-    def rest(self, rng: np.random.Generator) -> FaceObservation:
-        """What is seen of the avatar's neutral from the front. Raises AvatarNotSeen."""
-        seen = self.look(self._gem.rest_coefficients, np.zeros(3), rng, still=True)
-        if seen is None:
-            raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{self._gem.name}'")
-        return seen
-
-    def look(
+    def read(
         self,
         coefficients: NDArray[np.float32],
         rotation: NDArray[np.floating],
         rng: np.random.Generator,
         still: bool = False,
-    ) -> FaceObservation | None:
-        """What is seen of an expression under a head ``rotation`` [3], in a framing, on a background and in a light of
-        chance, or ``still`` in those of a portrait; None where no face is seen."""
+    ) -> NDArray[np.float32] | None:
+        """The feature vector of one picture, or None where no face is seen."""
         self._composed = self._gem.compose(coefficients, out=self._composed)
         posed = pose_head(self._composed, self._gem.neck_weights, self._gem.neck_pivot, rotation, np.zeros(3))
         image = self._engine.draw(posed, self._camera(rng, still))
@@ -134,7 +125,7 @@ class Studio:
         observation = self._tracker.track(picture)
         for _ in range((_LOOKS_STILL if still else _LOOKS) - 1):
             observation = None if observation is None else self._tracker.track(picture)
-        return observation
+        return None if observation is None else feature_vector(observation)
 
     def _camera(self, rng: np.random.Generator, still: bool) -> Camera:
         viewing = self._gem.viewing

@@ -72,7 +72,6 @@ def _seen(jaw: float, smile: float, yaw: float, blink: float, size: tuple[int, i
         mixer=np.zeros(64, np.float32),
         embedding=embedding,
         head_pose=pose,
-        seeming_turn=np.zeros(3),
         metric_mesh=_MESH,
         metric_irises=_IRISES,
         image_size=size,

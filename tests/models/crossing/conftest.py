@@ -10,6 +10,7 @@ from gemheads.models.crossing.clip import Clip, track_clip
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.crossing.reading import Image, Reading, read
 from gemheads.models.driver.features import score
+from gemheads.models.driver.nodding import nodding_of
 from gemheads.models.gem import Gem
 from numpy.typing import NDArray
 from pixelface import PixelTracker, painted
@@ -21,7 +22,7 @@ class PaintedMirror(Mirror):
     """An avatar of as many coefficients as its file has, of which the first is the jaw and the second the smile."""
 
     def __init__(self, gem: Gem) -> None:
-        self.gem = gem
+        self.gem, self.nodding = gem, nodding_of(gem)
         self._tracker = PixelTracker()
         self.hidden: set[int] = set()
         self.drawn = 0

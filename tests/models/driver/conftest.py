@@ -54,7 +54,6 @@ def still_face(canonical: NDArray[np.float64]) -> FaceObservation:
         mixer=np.zeros(64, np.float32),
         embedding=np.zeros(512, np.float32),
         head_pose=pose,
-        seeming_turn=np.zeros(3),
         metric_mesh=mesh,
         metric_irises=irises,
         image_size=(640, 480),

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from gemheads.models.driver.features import DIMENSION
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 from gemheads.models.train import response, series, train_regressor  # noqa: E402
 from gemheads.models.train.response import Responses  # noqa: E402
-from pixelface import PixelTracker, painted  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 from toynetwork import relative_features  # noqa: E402
 
@@ -25,19 +25,14 @@ def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.Monk
 
 
 def test_some_pictures_show_a_face_at_rest_that_turns_further(monkeypatch: pytest.MonkeyPatch) -> None:
-    face = PixelTracker().track(painted(0, 0, 0))
-
     class Studio:
         def __init__(self, gem: object) -> None:
             pass
 
-        def rest(self, rng):
-            return face
+        def read(self, coefficients, rotation, rng, still=False):
+            return np.zeros(DIMENSION, "f4")
 
-        def look(self, coefficients, rotation, rng):
-            return face
-
-    monkeypatch.setattr(response, "Studio", Studio)
+    monkeypatch.setattr(response, "_Studio", Studio)
     drawn = train_regressor.pictures_of(toy_gem(), 4000, 3)
     rest = ~drawn.weights.any(1)
     turned = drawn.rotations[drawn.rotations.any(1) & ~rest], drawn.rotations[rest]

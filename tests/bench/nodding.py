@@ -1,0 +1,94 @@
+"""What expressions seem to nod: how far the tracker reads pitch off, shape by shape, and what taking it off gives.
+
+    python tests/bench/nodding.py [AVATAR.gem ...]
+
+The first table is where models/driver/nodding.py has its figures from: random faces of each avatar, its head still,
+ridge regression of the pitch that is read on their ARKit weights. In the second each avatar plays the driver of the
+others, with random faces and turns that are known.
+"""
+
+import argparse
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+from gemheads.models.arkit import NAMES
+from gemheads.models.crossing.mirror import Mirror
+from gemheads.models.crossing.reading import Reading
+from gemheads.models.driver.features import relative_rotation
+from gemheads.models.driver.nodding import READ_AS_PITCH_DEG, nodding_of
+from gemheads.models.driver.regressor import Regressor
+from gemheads.models.gemfile import load_gem
+from gemheads.models.train.controls import controls_of
+from gemheads.models.train.expressions import random_weights
+
+SHIPPED = Path(__file__).parents[2] / "assets" / "avatars"
+SIZE, LOOKS = 384, 2
+TURNS = np.radians([7.0, 10.0, 4.0])
+"""Standard deviations of pitch, yaw and roll of those who play drivers."""
+BEYOND = 0.3
+"""Radians; a reading so far off is a face that was lost."""
+RIDGE = 0.5
+LEAST_DEG = 0.5
+"""Shapes that are read off by less are left out of the table."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("avatars", nargs="*", type=Path, default=sorted(SHIPPED.glob("*.gem")))
+    parser.add_argument("--faces", type=int, default=500)
+    asked = parser.parse_args()
+    mirrors = {path.stem: Mirror(load_gem(path), SIZE) for path in asked.avatars}
+    read_off(mirrors, asked.faces)
+    driven(mirrors, asked.faces // 2)
+
+
+def read_off(mirrors: dict[str, Mirror], faces: int) -> None:
+    """Degrees of pitch that each shape adds at weight 1, in a column for each avatar."""
+    columns = []
+    for mirror in mirrors.values():
+        acted = shown(mirror, faces, 5, np.zeros(3))
+        weights, pitch = np.stack([face for face, *_ in acted]), np.array([turn[0] for _, _, turn, _ in acted])
+        columns.append(np.degrees(np.linalg.solve(weights.T @ weights + RIDGE * np.eye(52), weights.T @ pitch)))
+    table = np.stack(columns, 1)
+    print(f"| shape | {' | '.join(mirrors)} | taken as |\n|---|{'---|' * len(mirrors)}---|")
+    for place in np.argsort(-np.abs(table.mean(1))):
+        if abs(table[place].mean()) >= LEAST_DEG or NAMES[place] in READ_AS_PITCH_DEG:
+            cells = " | ".join(f"{degrees:+.1f}" for degrees in table[place])
+            print(f"| {NAMES[place]} | {cells} | {READ_AS_PITCH_DEG.get(NAMES[place], 0):+.1f} |")
+
+
+def driven(mirrors: dict[str, Mirror], faces: int) -> None:
+    """RMS of the error of the pitch, degrees, with nothing, half and all of it taken off."""
+    shares = (0.0, 0.5, 1.0)
+    print(f"\n| driver | avatar | {' | '.join(f'{share:.0%} taken off' for share in shares)} |\n|---|---|---|---|---|")
+    for driver, avatar in permutations(mirrors, 2):
+        gem = mirrors[avatar].gem
+        assert gem.regressor is not None, f"{avatar} has no regressor"
+        express, nodding = Regressor(gem.regressor, gem.coefficient_count), nodding_of(gem)
+        errors = []
+        for _, turned, turn, features in shown(mirrors[driver], faces, 9, TURNS):
+            upright = nodding.taken_off(turn, express(features, turn))
+            errors.append(turn[0] - turned[0] + (upright - turn)[0] * np.array(shares))
+        cells = " | ".join(f"{degrees:.2f}" for degrees in np.degrees(np.std(errors, axis=0)))
+        print(f"| {driver} | {avatar} | {cells} |")
+
+
+def shown(mirror: Mirror, faces: int, seed: int, spread: np.ndarray) -> list[tuple[np.ndarray, ...]]:
+    """Of random faces: weights [52], the turn that was drawn and the one that is read [3], relative features [D]."""
+    controls, rng, rest = controls_of(mirror.gem), np.random.default_rng(seed), mirror.neutral()
+    kept = []
+    for face, turned in zip(random_weights(faces, rng), rng.normal(size=(faces, 3)) * spread, strict=True):
+        mirror.restart()
+        picture, reading = mirror.draw(controls.coefficients(face), turned), None
+        for _ in range(LOOKS):
+            reading = mirror.read(picture)
+        if isinstance(reading, Reading):
+            turn = relative_rotation(reading.rotation, rest.rotation)
+            if np.abs(turn - turned).max() < BEYOND:
+                kept.append((face, turned, turn, reading.features - rest.features))
+    return kept
+
+
+if __name__ == "__main__":
+    main()
