@@ -16,7 +16,7 @@ LOOKS = 4
 """At a still picture, until the tracker's region has settled."""
 _HEAD_SHARE = 0.65
 """Of the picture's height: the portrait that people get."""
-_FOV_DEG = 20.0
+FOV_DEG = 20.0
 _BACKGROUND = (0.75, 0.75, 0.75)
 
 
@@ -27,13 +27,14 @@ class UnseenAvatar(RuntimeError):
 class Mirror:
     """One avatar, drawn as a portrait by the software engine, which gives the same picture on every machine."""
 
-    def __init__(self, gem: Gem, size: int) -> None:
-        """``size`` is the side of the picture in pixels."""
+    def __init__(self, gem: Gem, size: int, fov_deg: float = FOV_DEG) -> None:
+        """``size`` is the side of the picture in pixels, ``fov_deg`` the camera's field of view: the wider, the nearer
+        is the head."""
         viewing = gem.viewing
-        distance = viewing.head_height / _HEAD_SHARE / (2 * np.tan(np.radians(_FOV_DEG) / 2))
+        distance = viewing.head_height / _HEAD_SHARE / (2 * np.tan(np.radians(fov_deg) / 2))
         self.gem = gem
         self.nodding = nodding_of(gem)
-        self._camera = orbit(viewing.target, distance, 0, 0, _FOV_DEG, size, size)
+        self._camera = orbit(viewing.target, distance, 0, 0, fov_deg, size, size)
         self._engine = SoftwareEngine()
         self._tracker = FaceTracker()
 
