@@ -71,7 +71,7 @@ def commands(played: tuple[Path, Path], frames: Path, out: Path) -> dict[str, li
         [*acting, str(out / "a.mp4")],
         [*acting, str(out / "pictures"), "--background", "transparent"],
         ["distill", str(frames), "-o", str(out / "a.gem"), "--components", "2"],
-        ["train-regressor", avatar, "-o", str(out / "b.gem"), "--pictures", "1", "--steps", "1"],
+        ["train-regressor", avatar, "-o", str(out / "b.gem"), "--pictures", "40", "--steps", "1"],
     )
     return dict(zip(NAMES, words, strict=True))
 
