@@ -91,9 +91,9 @@ class Jury:
 
         Raises InputError, CaptureError where the capture changed meanwhile, OSError where nothing can be kept.
         """
-        from ..models.train.crew import WorkerLost
         from ..models.train.evaluate import Alone, fill
         from ..models.train.ledger import Ledger
+        from ..models.train.workers import WorkerLost
 
         shots = {split: judged for split, judged in self.shots.items() if split in splits}
         self.bar.begin(title, sum(map(len, shots.values())))

@@ -9,13 +9,12 @@ from ..models.captures.layout import CaptureError
 from ..models.gemfile import load_gem, read_info, save_gem
 from .casting import open_avatar
 from .errors import ExitCode, InputError, NoFaceError, UsageError
-from .jobs import affordable_jobs
 from .opencapture import opened
 from .pictures import write_png
 from .places import check_places, save_learned
 from .progress import ProgressBar
 from .reports import write_json
-from .training import LEAST_PICTURES, MEMORY, check_learning
+from .training import LEAST_PICTURES, check_learning, processes
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
@@ -49,10 +48,10 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
     try:
         from ..models.train.capture_regressor import RegressorEffort, capture_regressor
         from ..models.train.footage import read_footage
-        from ..models.train.parallel import WorkerLost, Workers
         from ..models.train.response import AvatarNotSeen
         from ..models.train.selfreenact import self_reenactment
         from ..models.train.train_regressor import pictures_of
+        from ..models.train.workers import WorkerLost, Workers
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     _check(wish)
@@ -61,7 +60,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
     judged: SelfReenactment | None = None
     try:
-        with ProgressBar() as bar, Workers(affordable_jobs(MEMORY) if wish.jobs is None else wish.jobs) as workers:
+        with ProgressBar() as bar, Workers(processes(wish.jobs)) as workers:
             moments = training_moments(cast, footage, wish.labels, bar)
             videos = read_footage(wish.videos, lambda done, total: bar.reach("videos", done, total))
             count = max(200, wish.pictures // 4)

@@ -33,9 +33,9 @@ class TrainingWish:
 def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode:
     """Train the regressor of an avatar file and save the avatar with it. Raises CommandError."""
     try:
-        from ..models.train.parallel import WorkerLost
         from ..models.train.response import AvatarNotSeen
         from ..models.train.train_regressor import train_regressor
+        from ..models.train.workers import WorkerLost
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if wish.pictures < LEAST_PICTURES:
@@ -57,7 +57,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
                 steps=wish.steps,
                 seed=wish.seed,
                 progress=bar.reach,
-                jobs=affordable_jobs(MEMORY) if wish.jobs is None else wish.jobs,
+                jobs=processes(wish.jobs),
             )
     # a ValueError is a GemFormatError, a RegressorError, or what is wrong with a video
     except (ValueError, AvatarNotSeen, WorkerLost) as error:
@@ -77,6 +77,11 @@ def check_learning(steps: int, seed: int, jobs: int | None) -> None:
     if seed < 0:
         raise UsageError(f"--seed {seed}: choose 0 or more")
     check_jobs(jobs)
+
+
+def processes(jobs: int | None) -> int:
+    """How many share the work where ``jobs`` are asked for, or none in particular."""
+    return affordable_jobs(MEMORY) if jobs is None else jobs
 
 
 def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:

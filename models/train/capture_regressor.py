@@ -21,13 +21,13 @@ from .expressions import random_coefficients, random_weights
 from .fit import Start
 from .network import RegressorNetwork
 from .ownframes import Labelled, Pictured
-from .parallel import ALONE, Workers
 from .reduction import principal_components
 from .response import Responses
 from .series import draw_series, in_series
 from .sightings import Neutral, Sightings, frontal_cameras, neutral_of, see
 from .strangers import Crowd, Person, crowd
 from .train_regressor import RESTING, Progress, person_of
+from .workers import ALONE, Workers
 
 Floats = NDArray[np.float32]
 LABELS = 30.0

@@ -19,7 +19,7 @@ from .contestants import Contestant
 from .evaluate import Moment, judged
 from .judge import Judge
 from .ledger import Record
-from .parallel import WorkerLost, deaf
+from .workers import WorkerLost, deaf
 
 Opens = Callable[[Capture], Contestant]
 """Makes a contestant ready; has to be something that can be pickled."""

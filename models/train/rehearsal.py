@@ -14,10 +14,10 @@ from ..driver.regressor import Regressor
 from ..gem import Gem
 from .controls import Controls
 from .network import RegressorNetwork
-from .parallel import ALONE, Workers
 from .response import Responses
 from .series import draw_series, in_series
 from .strangers import Crowd
+from .workers import ALONE, Workers
 
 FRONTAL_SHARE = 0.4
 """So many are drawn from the front, where answers are compared."""

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from ..gem import Gem
 from .controls import Controls
-from .parallel import ALONE, Advance, Workers
 from .response import Responses, joined, measure_responses
+from .workers import ALONE, Advance, Workers
 
 LENGTH = 500
 """Pictures of a series."""

@@ -22,12 +22,12 @@ from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .network import RegressorNetwork
-from .parallel import ALONE, Advance, Workers
 from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
 from .response import Responses, fit_response, joined
 from .series import LENGTH, Series, draw_series
 from .strangers import Crowd, Person, crowd, in_tolerances
+from .workers import ALONE, Advance, Workers
 
 CROWD = 120_000
 """Moments of invented people to follow, so many that a network that is trained three times as long does not learn them

@@ -23,9 +23,10 @@ from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.metrics.pixels import psnr
 from gemheads.models.metrics.tables import METRICS, SIZES
 from gemheads.models.train.contestants import Act, GemContestant
-from gemheads.models.train.crew import Crew, WorkerLost
+from gemheads.models.train.crew import Crew
 from gemheads.models.train.evaluate import Alone
 from gemheads.models.train.ledger import Record
+from gemheads.models.train.workers import WorkerLost
 
 
 def evaluate(*words: object) -> int:

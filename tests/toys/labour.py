@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numba
 import torch
-from gemheads.models.train.parallel import Workers
+from gemheads.models.train.workers import Workers
 
 
 def square(advance: Callable[[], None], number: int, last: float = 0) -> tuple[int, int]:

@@ -20,10 +20,11 @@ from gemheads.models.gemfile import save_gem
 from gemheads.models.importers.adopt import adopt
 from gemheads.models.metrics.pixels import BEST_DB
 from gemheads.models.train.contestants import Act, Floats
-from gemheads.models.train.crew import Crew, WorkerLost
+from gemheads.models.train.crew import Crew
 from gemheads.models.train.evaluate import Alone, Moment, fill
 from gemheads.models.train.judge import Judge
 from gemheads.models.train.ledger import Ledger, Record, ShotKeys
+from gemheads.models.train.workers import WorkerLost
 from judges import Opens, Trouble, without_lpips
 
 

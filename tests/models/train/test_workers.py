@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from gemheads.models.driver.features import DIMENSION  # noqa: E402
 from gemheads.models.gemfile import load_gem  # noqa: E402
 from gemheads.models.train import series, train_regressor  # noqa: E402
 from gemheads.models.train.controls import controls_of  # noqa: E402
-from gemheads.models.train.parallel import WorkerLost, Workers  # noqa: E402
+from gemheads.models.train.workers import WorkerLost, Workers  # noqa: E402
 from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 
@@ -28,7 +29,7 @@ SOON = 20.0
 
 
 @pytest.fixture(scope="module")
-def workers():
+def workers() -> Iterator[Workers]:
     with Workers(2) as workers:
         yield workers
 
@@ -87,9 +88,9 @@ def test_none_outlives_who_began_it(how: signal.Signals, tmp_path: Path) -> None
         began.wait()
 
 
-def _until(so: object) -> None:
+def _until(so: Callable[[], bool]) -> None:
     began = time.monotonic()
-    while not so():  # type: ignore[operator]
+    while not so():
         assert time.monotonic() - began < SOON
         time.sleep(0.1)
 

@@ -16,6 +16,8 @@ from .threads import one_thread
 R = TypeVar("R")
 Advance = Callable[[], None]
 """Tells that one more unit of work is done."""
+Work = Callable[Concatenate[Advance, ...], R]
+"""A function of a module, which calls ``advance`` after every unit of work."""
 LOOKED_AFTER = 0.2
 """Seconds from one look at what the others have done to the next."""
 
@@ -48,15 +50,15 @@ class Workers:
 
     def each(
         self,
-        work: Callable[Concatenate[Advance, ...], R],
+        work: Work[R],
         arguments: Sequence[tuple[Any, ...]],
         progress: Callable[[int], None] = lambda done: None,
     ) -> list[R]:
         """``work(advance, *arguments)`` for each of the arguments, in their order.
 
         Args:
-            work: a function of a module; calls ``advance`` after every unit of work.
-            arguments: and its answers have to be something that can be pickled.
+            work: what is done with them.
+            arguments: these and the answers have to be something that can be pickled.
             progress: is told how many units are done.
 
         Raises what ``work`` raises, and WorkerLost where a process died.
@@ -73,7 +75,7 @@ class Workers:
 
     def _alone(
         self,
-        work: Callable[Concatenate[Advance, ...], R],
+        work: Work[R],
         arguments: Sequence[tuple[Any, ...]],
         progress: Callable[[int], None],
     ) -> list[R]:
@@ -88,7 +90,7 @@ class Workers:
 
     def _together(
         self,
-        work: Callable[Concatenate[Advance, ...], R],
+        work: Work[R],
         arguments: Sequence[tuple[Any, ...]],
         progress: Callable[[int], None],
     ) -> list[R]:
@@ -128,9 +130,7 @@ class _Pool:
         self.done, self._halt = context.Value("q", 0), context.Value("b", 0)
         self._processes = ProcessPoolExecutor(jobs, context, _begin, (self.done, self._halt))
 
-    def submit(
-        self, work: Callable[Concatenate[Advance, ...], R], arguments: Sequence[tuple[Any, ...]]
-    ) -> list[Future[R]]:
+    def submit(self, work: Work[R], arguments: Sequence[tuple[Any, ...]]) -> list[Future[R]]:
         self.done.value = 0
         with deaf():
             return [self._processes.submit(_in_one_thread, work, *one) for one in arguments]
@@ -162,7 +162,7 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def _in_one_thread(work: Callable[Concatenate[Advance, ...], R], *arguments: Any) -> R:
+def _in_one_thread(work: Work[R], *arguments: Any) -> R:
     with one_thread():
         return work(_advance, *arguments)
 
