@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from ..captures.reader import Capture
 from ..gem import CLAMP_SIGMAS, Gem
+from .bystanders import heads_beside, leaks_of_bystanders
 from .closing import ClosedLoop, descend
 from .controls import Controls, free_controls
 from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .fit import Start
+from .leaks import Leaks
 from .network import RegressorNetwork
 from .ownframes import Labelled, Pictured
 from .reduction import principal_components
@@ -111,7 +113,14 @@ def capture_regressor(
         faces = invented(gem, controls, known, effort.pictures, rng)
         series = in_series(faces, rng)
         own = draw_series(gem, controls, series, lambda done, total: progress("pictures", done, total), workers)
-        others = _Others.around(own, sightings, companions, footage, effort, rng)
+        leaks = leaks_of_bystanders(
+            [gem],
+            effort.seed,
+            heads_beside(effort.pictures),
+            lambda done, total: progress("turning heads", done, total),
+            workers,
+        )
+        others = _Others.around(own, sightings, companions, leaks, footage, effort, rng)
         spread = np.concatenate([spread, own.features, others.people.features[:8000]])
     torch.manual_seed(effort.seed)
     network = RegressorNetwork(principal_components(spread), controls)
@@ -149,6 +158,7 @@ class _Others:
         own: Responses,
         sightings: Sightings,
         companions: Sequence[Responses],
+        leaks: Leaks,
         footage: Floats | None,
         effort: RegressorEffort,
         rng: np.random.Generator,
@@ -158,7 +168,7 @@ class _Others:
         others = [person_of(seen, effort.steps // 2, effort.seed)[0] for seen in companions]
         real = np.concatenate([sightings.features, sightings.rotations], 1)
         seen = real if footage is None else np.concatenate([real, footage])
-        people, judges = (crowd([avatar, *others], seen, count, rng) for count in (PEOPLE, PEOPLE // 20))
+        people, judges = (crowd([avatar, *others], leaks, seen, count, rng) for count in (PEOPLE, PEOPLE // 20))
         return cls(avatar, r2, people, judges)
 
 

@@ -1,7 +1,7 @@
 """How an avatar answers: control weights and head rotation in, what the face tracker reads off its picture out."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -17,6 +17,7 @@ from ..driver.features import feature_vector
 from ..gem import Gem
 from ..posing import pose_head
 from .controls import Controls
+from .headshape import HeadShape
 from .threads import one_torch_thread
 
 PICTURE_SIZE = 320
@@ -51,6 +52,20 @@ class Responses:
         return len(self.weights)
 
 
+@dataclass(frozen=True)
+class Sitting:
+    """Who sits before which camera."""
+
+    fov_deg: float = FOV_DEG
+    """The wider, the nearer is the head, which fills the picture always."""
+    shape: HeadShape | None = None
+    """Whose head it is; None: the avatar's own."""
+
+
+PORTRAIT = Sitting()
+"""The avatar itself, by a far camera."""
+
+
 def joined(parts: Sequence[Responses]) -> Responses:
     """Pictures of one avatar from several series."""
     return Responses(
@@ -72,13 +87,15 @@ def measure_responses(
     rng: np.random.Generator,
     progress: Callable[[int, int], None] = lambda done, total: None,
     rotations: NDArray[np.float32] | None = None,
+    sitting: Sitting = PORTRAIT,
 ) -> Responses:
     """Draws the avatar at each row of ``weights`` [S, E] under a random head pose (or ``rotations`` [S, 3]), framing
-    and light, and reads it with the face tracker; pictures without a face are left out.
+    and light, and reads it with the face tracker; pictures without a face are left out. The neutral is taken by the
+    same camera.
 
     Raises AvatarNotSeen when the neutral picture has no face.
     """
-    studio = _Studio(gem)
+    studio = _Studio(gem, sitting)
     neutral = studio.read(gem.rest_coefficients, np.zeros(3), rng, still=True)
     if neutral is None:
         raise AvatarNotSeen(f"the face tracker finds no face in the neutral picture of avatar '{gem.name}'")
@@ -100,11 +117,12 @@ def measure_responses(
 
 
 class _Studio:
-    def __init__(self, gem: Gem) -> None:
-        self._gem = gem
+    def __init__(self, gem: Gem, sitting: Sitting) -> None:
+        self._gem, self._sitting = gem, sitting
         self._engine = SoftwareEngine()
         self._tracker = FaceTracker()
         self._composed: RawGaussians | None = None
+        self._displacement = self._displaced()
 
     def read(
         self,
@@ -115,7 +133,8 @@ class _Studio:
     ) -> NDArray[np.float32] | None:
         """The feature vector of one picture, or None where no face is seen."""
         self._composed = self._gem.compose(coefficients, out=self._composed)
-        posed = pose_head(self._composed, self._gem.neck_weights, self._gem.neck_pivot, rotation, np.zeros(3))
+        head = replace(self._composed, positions=self._composed.positions + self._displacement)
+        posed = pose_head(head, self._gem.neck_weights, self._gem.neck_pivot, rotation, np.zeros(3))
         image = self._engine.draw(posed, self._camera(rng, still))
         background = (0.7, 0.7, 0.7) if still else tuple(rng.uniform(0.15, 0.95, 3))
         picture = over(image, background)
@@ -127,12 +146,19 @@ class _Studio:
             observation = None if observation is None else self._tracker.track(picture)
         return None if observation is None else feature_vector(observation)
 
+    def _displaced(self) -> NDArray[np.float32] | float:
+        """[N, 3] by which the head's shape moves the avatar's splats; the splats keep their sizes and turns."""
+        shape = self._sitting.shape
+        if shape is None:
+            return 0.0
+        return shape.displacement(self._gem.compose(self._gem.rest_coefficients).positions, self._gem.viewing)
+
     def _camera(self, rng: np.random.Generator, still: bool) -> Camera:
-        viewing = self._gem.viewing
+        viewing, fov_deg = self._gem.viewing, self._sitting.fov_deg
         share = HEAD_SHARE if still else HEAD_SHARE * rng.uniform(0.8, 1.2)
-        distance = viewing.head_height / share / (2 * np.tan(np.radians(FOV_DEG) / 2))
+        distance = viewing.head_height / share / (2 * np.tan(np.radians(fov_deg) / 2))
         shift = np.zeros(3) if still else np.append(rng.normal(0, 0.012, 2), 0)
-        return orbit(np.asarray(viewing.target) + shift, distance, 0, 0, FOV_DEG, PICTURE_SIZE, PICTURE_SIZE)
+        return orbit(np.asarray(viewing.target) + shift, distance, 0, 0, fov_deg, PICTURE_SIZE, PICTURE_SIZE)
 
 
 def _photographed(picture: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[np.uint8]:

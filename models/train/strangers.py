@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..driver.features import BLOCKS, DIMENSION
 from .channels import channel_indices, channel_tolerances, mouth_channels
+from .leaks import Leaks, pose_leak, turned
 from .response import ResponseModel, Responses, at_rest
 
 Floats = NDArray[np.float32]
@@ -22,6 +23,11 @@ MOUTH_SPREAD = 0.5
 """Standard deviation of what is added to each channel of an invented person's mouth, in that channel's own spread, for
 a mouth that moves as much as most do; for others in proportion. Channels go together otherwise on people's mouths than
 on avatars'; a regressor that knows the latter alone takes strangers' mouths for those of an avatar."""
+RESTING_LEAK_SPREAD = 1.0
+"""How far the pose leak of other people differs from the mean, against that of the heads that are known, where their
+face does nothing else ..."""
+LEAK_SPREAD = 0.4
+"""... and where it does: whoever doubts all that a turned head shows does not follow it, puckers and brows first."""
 AT_ONCE = 20_000
 """Moments are invented in parts of so many: all of them together would take twice the memory."""
 NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
@@ -56,13 +62,6 @@ class Crowd:
         return len(self.features)
 
 
-def pose_leak(responses: Responses) -> Floats:
-    """[3, D] what head rotation alone adds to an avatar's features, per radian (least squares beside the weights)."""
-    inputs = np.concatenate([responses.rotations, responses.weights, np.ones((len(responses), 1), np.float32)], 1)
-    penalty = 1e-2 * len(responses) / 100 * np.eye(inputs.shape[1], dtype=np.float32)
-    return np.linalg.solve(inputs.T @ inputs + penalty, inputs.T @ responses.features)[:3].astype(np.float32)
-
-
 def from_the_front(person: Person) -> Floats:
     """[S, T] the channels of a person's pictures, in tolerances, relative to the neutral, had the head not turned.
 
@@ -83,17 +82,18 @@ def in_tolerances(features: Floats) -> Floats:
     return (features[:, channel_indices()] / channel_tolerances()).astype(np.float32)
 
 
-def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.Generator) -> Crowd:
+def crowd(people: Sequence[Person], others: Leaks, footage: Floats, count: int, rng: np.random.Generator) -> Crowd:
     """``count`` moments of invented people.
 
     Each is a picture of one of ``people``, its mouth another's, its channels multiplied by gains of their own, its
-    pose leak exchanged for a mixture of all leaks, with noise; a third of them are taken from ``footage`` [S, D + 3]
-    (features and rotations of unlabelled real faces) where there is any, whose leak is taken to be the mean one.
+    pose leak exchanged for that of one more head like the ``others``, with noise; a third of them are taken from
+    ``footage`` [S, D + 3] (features and rotations of unlabelled real faces) where there is any, whose leak is taken to
+    be the mean of the others'.
     """
-    leaks = np.stack([pose_leak(person.seen) for person in people])
+    leaks = [pose_leak(person.seen) for person in people]
     fronts = [from_the_front(person) for person in people]
     sizes = [min(AT_ONCE, count - first) for first in range(0, count, AT_ONCE)]
-    parts = [_invented(people, leaks, fronts, footage, size, rng) for size in sizes]
+    parts = [_invented(people, leaks, fronts, others, footage, size, rng) for size in sizes]
     return Crowd(
         np.concatenate([part.features for part in parts]),
         np.concatenate([part.rotations for part in parts]),
@@ -104,13 +104,14 @@ def crowd(people: Sequence[Person], footage: Floats, count: int, rng: np.random.
 
 def _invented(
     people: Sequence[Person],
-    leaks: Floats,
+    leaks: Sequence[Floats],
     fronts: Sequence[Floats],
+    others: Leaks,
     footage: Floats,
     count: int,
     rng: np.random.Generator,
 ) -> Crowd:
-    """``leaks`` [A, 3, D] and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``."""
+    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``."""
     which = rng.integers(len(people), size=count)
     features = np.empty((count, DIMENSION), np.float32)
     rotations = np.empty((count, 3), np.float32)
@@ -119,17 +120,18 @@ def _invented(
     for index, person in enumerate(people):
         rows = np.flatnonzero(which == index)
         picked = rng.integers(len(person.seen), size=len(rows))
-        features[rows], rotations[rows] = person.seen.features[picked], person.seen.rotations[picked]
+        rotations[rows] = person.seen.rotations[picked]
+        features[rows] = person.seen.features[picked] - turned(rotations[rows]) @ leaks[index]
         wanted[rows] = fronts[index][picked]
         resting[rows] = at_rest(person.seen.weights)[picked]
-    mixture = rng.dirichlet(np.ones(len(people)), count) * rng.normal(1, 0.4, (count, 1))
-    mixture[np.arange(count), which] -= 1
-    features += np.einsum("sa,aid,si->sd", mixture, leaks, rotations, optimize=True)
+    spread = np.where(resting, RESTING_LEAK_SPREAD, LEAK_SPREAD).astype(np.float32)
+    features += others.of_others(rotations, spread, rng)
     if len(footage):
         rows = rng.random(count) < 1 / 3
         picked = rng.integers(len(footage), size=int(rows.sum()))
         features[rows], rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
-        wanted[rows] = in_tolerances(features[rows] - rotations[rows] @ leaks.mean(0))
+        turn = turned(rotations[rows]) @ others.mean
+        wanted[rows] = in_tolerances(features[rows] - turn.astype(np.float32))
         resting[rows] = False
     differing = _other_mouths(wanted, rng)
     features[:, channel_indices()] += differing * channel_tolerances()

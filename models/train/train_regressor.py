@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 from ..driver.regressor import Regressor, RegressorError
 from ..gem import Gem
 from ..gemfile import load_gem
+from .bystanders import heads_beside, leaks_of_bystanders
 from .closing import ClosedLoop, descend
 from .controls import Controls, controls_of
 from .export_onnx import export_onnx
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
+from .leaks import Leaks
 from .network import RegressorNetwork
 from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
@@ -155,15 +157,22 @@ def regressor_for(
         for one in companions
     ]
     others = [person_of(one, brief, seed)[0] for one in seen]
+    leaks = leaks_of_bystanders(
+        [gem, *companions],
+        seed,
+        heads_beside(pictures),
+        lambda done, total: progress("turning heads", done, total),
+        workers,
+    )
     practised = former or _practised(gem)
     for _ in range(REHEARSALS):
         avatar, _ = person_of(own, brief, seed, RESPONSES if practised is None else 1)
         cast = [avatar, *others]
-        audience = crowd(cast, footage, max(1, int(pictures * REHEARSED)), rng)
+        audience = crowd(cast, leaks, footage, max(1, int(pictures * REHEARSED)), rng)
         if practised is not None:
             answers, practised = remembered(practised.regressor, practised.controls, audience), None
         else:
-            school = _School(controls, cast, footage, rng)
+            school = _School(controls, cast, leaks, footage, rng)
             (network,) = school.networks(brief, [seed], progress)
             answers = answers_of(network, audience)
         acted = rehearse(
@@ -171,7 +180,7 @@ def regressor_for(
         )
         own = joined([own, acted])
     avatar, r2 = person_of(own, brief, seed, RESPONSES)
-    school = _School(controls, [avatar, *others], footage, rng)
+    school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
     return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
@@ -200,18 +209,24 @@ def _former(other: Gem, gem: Gem) -> Former:
 
 
 class _School:
-    """What a regressor learns from: the avatar, which is the first of the ``cast``, the others, and footage."""
+    """What a regressor learns from: the avatar, which is the first of the ``cast``, the others, what the turn of other
+    heads adds, and footage."""
 
     def __init__(
-        self, controls: Controls, cast: Sequence[Person], footage: NDArray[np.float32], rng: np.random.Generator
+        self,
+        controls: Controls,
+        cast: Sequence[Person],
+        leaks: Leaks,
+        footage: NDArray[np.float32],
+        rng: np.random.Generator,
     ) -> None:
-        self._controls, self._cast, self._footage, self._rng = controls, cast, footage, rng
+        self._controls, self._cast, self._leaks, self._footage, self._rng = controls, cast, leaks, footage, rng
         self._crowd, self._judges = self.people(CROWD), self.people(JUDGING)
         self.reduction = compared_channels(np.concatenate([cast[0].seen.features, self._crowd.features[:8000]]))
 
     def people(self, count: int) -> Crowd:
         """``count`` moments of invented people."""
-        return crowd(self._cast, self._footage, count, self._rng)
+        return crowd(self._cast, self._leaks, self._footage, count, self._rng)
 
     def networks(
         self, steps: int, seeds: Sequence[int], progress: Progress, workers: Workers = ALONE

@@ -26,7 +26,7 @@ def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.Monk
 
 def test_some_pictures_show_a_face_at_rest_that_turns_further(monkeypatch: pytest.MonkeyPatch) -> None:
     class Studio:
-        def __init__(self, gem: object) -> None:
+        def __init__(self, gem: object, sitting: object) -> None:
             pass
 
         def read(self, coefficients, rotation, rng, still=False):

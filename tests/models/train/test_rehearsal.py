@@ -15,6 +15,7 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 from gemheads.models.train import rehearsal, series, train_regressor  # noqa: E402
 from gemheads.models.train.controls import Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
+from gemheads.models.train.leaks import TERMS, Leaks  # noqa: E402
 from gemheads.models.train.response import Responses  # noqa: E402
 from gemheads.models.train.strangers import Crowd  # noqa: E402
 from linearperson import linear_person  # noqa: E402
@@ -80,6 +81,7 @@ def recalled(monkeypatch: pytest.MonkeyPatch) -> list[Controls]:
     acted: list[np.ndarray] = []
     monkeypatch.setattr(train_regressor, "CROWD", 400)
     monkeypatch.setattr(train_regressor, "pictures_of", lambda *_: linear_person(shapes, leak, 200).seen)
+    monkeypatch.setattr(train_regressor, "leaks_of_bystanders", lambda *_: Leaks(np.zeros((1, TERMS, DIMENSION), "f4")))
     monkeypatch.setattr(train_regressor, "remembered", recalling)
     monkeypatch.setattr(train_regressor, "rehearse", acting)
     return recalled

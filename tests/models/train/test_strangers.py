@@ -12,8 +12,7 @@ pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 from gemheads.models.train import strangers
 from gemheads.models.train.channels import channel_indices, mouth_channels
-from gemheads.models.train.expressions import random_weights
-from gemheads.models.train.response import Responses
+from gemheads.models.train.leaks import TERMS, Leaks, pose_leak, turned
 from gemheads.models.train.strangers import (
     MOUTH_SPREAD,
     Crowd,
@@ -21,25 +20,20 @@ from gemheads.models.train.strangers import (
     crowd,
     from_the_front,
     in_tolerances,
-    pose_leak,
 )
 from linearperson import linear_person
 
 
-def test_pose_leak_is_found_beside_expressions() -> None:
-    rng = np.random.default_rng(0)
-    leak = rng.normal(size=(3, DIMENSION)).astype("f4")
-    weights, rotations = random_weights(1500, rng), rng.normal(0, 0.2, (1500, 3)).astype("f4")
-    features = weights @ rng.normal(size=(52, DIMENSION)).astype("f4") + rotations @ leak
-    found = pose_leak(Responses(weights, rotations, features.astype("f4")))
-    assert np.corrcoef(found.ravel(), leak.ravel())[0, 1] > 0.95
+def alone(person: Person) -> Leaks:
+    """Nobody else's head turns otherwise."""
+    return Leaks(pose_leak(person.seen)[None])
 
 
 def test_invented_people_move_their_scores_otherwise_than_the_avatar() -> None:
     rng = np.random.default_rng(0)
     shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
     person = linear_person(shapes, leak)
-    people = crowd([person, person], np.empty((0, DIMENSION + 3), "f4"), 500, rng)
+    people = crowd([person, person], alone(person), np.empty((0, DIMENSION + 3), "f4"), 500, rng)
     assert people.features.shape == (500, DIMENSION)
     assert people.wanted.shape == (500, len(channel_indices()))
     assert np.isfinite(people.features).all()
@@ -50,7 +44,7 @@ def test_a_crowd_invented_in_parts_is_as_large_and_as_varied(monkeypatch: pytest
     rng = np.random.default_rng(0)
     person = linear_person(*(rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3)))
     monkeypatch.setattr(strangers, "AT_ONCE", 60)
-    people = crowd([person], np.empty((0, DIMENSION + 3), "f4"), 200, rng)
+    people = crowd([person], alone(person), np.empty((0, DIMENSION + 3), "f4"), 200, rng)
     assert [len(array) for array in vars(people).values()] == [200] * 4
     assert len(np.unique(people.features, axis=0)) == 200
 
@@ -66,8 +60,41 @@ def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
     turning = replace(seen, weights=np.full_like(seen.weights, 1e-6), features=seen.rotations @ leak)  # hardly at rest
     np.testing.assert_allclose(from_the_front(Person(turning, person.response)), 0, atol=2e-2)
     footage = np.concatenate([turning.features, turning.rotations], 1)
-    people = crowd([Person(turning, person.response)], footage, 500, rng)
+    people = crowd([Person(turning, person.response)], alone(person), footage, 500, rng)
     assert np.abs(people.wanted).max() < 0.1 * np.abs(in_tolerances(people.features)).max()
+
+
+def test_the_leak_of_who_is_seen_is_exchanged_for_that_of_others() -> None:
+    """What shall be followed does not depend on whose head it is."""
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    person = linear_person(shapes, leak)
+    others = rng.normal(size=(1, TERMS, DIMENSION)).astype("f4")
+
+    def people(known: np.ndarray) -> Crowd:
+        return crowd([person], Leaks(known), np.empty((0, DIMENSION + 3), "f4"), 400, np.random.default_rng(3))
+
+    still, turning = people(0 * others), people(others)
+    np.testing.assert_array_equal(still.wanted, turning.wanted)
+    gained = (turning.features - still.features) / (turned(turning.rotations) @ others[0])
+    assert (gained[np.abs(turning.rotations).min(1) > 0.02] > 0).mean() > 0.99  # gains, and hardly noise
+    own = people(pose_leak(person.seen)[None])
+    assert np.abs(own.features - still.features).max() > 1
+
+
+def test_faces_at_rest_turn_as_more_differing_heads_than_those_that_act() -> None:
+    rng = np.random.default_rng(0)
+    shapes = rng.normal(size=(len(NAMES), DIMENSION)).astype("f4")
+    person = linear_person(0 * shapes, np.zeros((3, DIMENSION), "f4"), 4000)
+    rest = np.arange(4000) % 2 == 0
+    weights = np.where(rest[:, None], 0, np.maximum(person.seen.weights, 1e-3))
+    known = np.stack([np.ones((TERMS, DIMENSION)), -np.ones((TERMS, DIMENSION))]).astype("f4")
+    someone = replace(person, seen=replace(person.seen, weights=weights))
+    people = crowd([someone], Leaks(known), np.empty((0, DIMENSION + 3), "f4"), 4000, rng)
+    turn = np.abs(turned(people.rotations).sum(1)) > 0.3
+    added = np.abs(people.features[:, SCORES].mean(1) / turned(people.rotations).sum(1))
+    acting, resting = (added[turn & who].mean() for who in (~people.resting, people.resting))
+    assert acting / resting == pytest.approx(strangers.LEAK_SPREAD / strangers.RESTING_LEAK_SPREAD, rel=0.1)
 
 
 def test_of_a_face_at_rest_nothing_is_followed() -> None:
@@ -82,12 +109,12 @@ def test_of_a_face_at_rest_nothing_is_followed() -> None:
     wanted = from_the_front(someone)
     assert (wanted[rest] == 0).all()
     assert (np.abs(wanted[~rest]).max(1) > 1).all()
-    people = crowd([someone], np.empty((0, DIMENSION + 3), "f4"), 800, rng)
+    people = crowd([someone], alone(someone), np.empty((0, DIMENSION + 3), "f4"), 800, rng)
     assert 0.2 < people.resting.mean() < 0.3
     assert (people.wanted[people.resting] == 0).all()
     assert (np.abs(people.features[people.resting]).max(1) > 1).all()
     footage = np.concatenate([read, person.seen.rotations], 1)
-    filmed = crowd([someone], footage, 800, rng)
+    filmed = crowd([someone], alone(someone), footage, 800, rng)
     assert 0.1 < filmed.resting.mean() < 0.23  # of strangers in a film nobody knows when they rest
 
 
@@ -101,7 +128,7 @@ def test_mouths_go_together_otherwise_and_that_is_followed(monkeypatch: pytest.M
 
     def people(spread: float) -> Crowd:
         monkeypatch.setattr(strangers, "MOUTH_SPREAD", spread)
-        return crowd([someone], np.empty((0, DIMENSION + 3), "f4"), 4000, np.random.default_rng(3))
+        return crowd([someone], alone(someone), np.empty((0, DIMENSION + 3), "f4"), 4000, np.random.default_rng(3))
 
     plain, other = people(0.0), people(MOUTH_SPREAD)
     mouth, resting = mouth_channels(), plain.resting

@@ -18,7 +18,9 @@ import labour  # noqa: E402
 from gemheads.models.driver.features import DIMENSION  # noqa: E402
 from gemheads.models.gemfile import load_gem  # noqa: E402
 from gemheads.models.train import series, train_regressor  # noqa: E402
+from gemheads.models.train.bystanders import leaks_of_bystanders  # noqa: E402
 from gemheads.models.train.controls import controls_of  # noqa: E402
+from gemheads.models.train.leaks import Leaks, pose_leak  # noqa: E402
 from gemheads.models.train.workers import WorkerLost, Workers  # noqa: E402
 from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402
@@ -110,12 +112,19 @@ def test_pictures_are_the_same_however_many_draw(workers: Workers, monkeypatch: 
     assert reached[-1] == (20, 20)
 
 
+def test_bystanders_are_the_same_however_many_look(workers: Workers) -> None:
+    gems = [load_gem(MARA)]
+    alone, shared = (leaks_of_bystanders(gems, 3, 2, workers=one) for one in (Workers(), workers))
+    np.testing.assert_array_equal(alone.known, shared.known)
+
+
 def test_networks_are_the_same_however_many_learn(workers: Workers, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(train_regressor, "CROWD", 400)
     controls, rng = controls_of(toy_gem()), np.random.default_rng(0)
     shapes, leak = (rng.normal(0, 0.1, (rows, DIMENSION)).astype("f4") for rows in (len(controls.lower), 3))
     person = linear_person(shapes, leak, 200, 1)
-    school = train_regressor._School(controls, [person], np.empty((0, DIMENSION + 3), "f4"), rng)
+    leaks = Leaks(pose_leak(person.seen)[None])
+    school = train_regressor._School(controls, [person], leaks, np.empty((0, DIMENSION + 3), "f4"), rng)
     reached: list[tuple[int, int]] = []
 
     def networks(one: Workers) -> list[torch.nn.Module]:
