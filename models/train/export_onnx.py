@@ -10,11 +10,14 @@ from onnx import TensorProto, helper, numpy_helper
 
 from ..driver.features import DIMENSION, FEATURE_VERSION, SCORES
 from ..driver.regressor import VERSION_KEY
-from .network import KAPPA_LIMIT, RegressorNetwork
+from .leaks import FACTORS, TYPICAL
+from .network import FACING, KAPPA_LIMIT, TURN_LIMIT, RegressorNetwork
 
 OPSET = 17
 INPUTS = ("relative_features", "head_rotation")
 OUTPUT = "coefficients"
+ENDS = (("lower", -1), ("upper", 1))
+"""Of a range, and on which side of zero."""
 SHARED = ("lower", "upper", "rest", "to_coefficients", "limit", "straight", "least")
 """Buffers that are the avatar's: the same in all its networks."""
 
@@ -32,7 +35,10 @@ def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     features, rotation = INPUTS
     shared = {name: getattr(members[0], name).cpu().numpy() for name in SHARED}
     heeded = graph.node("Max", features, graph.constant("least", shared["least"]))
-    answers = [_answer(graph, heeded, f"member_{number}_", member, shared) for number, member in enumerate(members)]
+    turn = _turn(graph, rotation)
+    answers = [
+        _answer(graph, heeded, turn, f"member_{number}_", member, shared) for number, member in enumerate(members)
+    ]
     total = answers[0]
     for answer in answers[1:]:
         total = graph.node("Add", total, answer)
@@ -104,14 +110,34 @@ def _squashed(graph: _Graph, free: str, straight: NDArray[np.float32]) -> str:
     return graph.node("Add", core, graph.node("Mul", bent, left))
 
 
+def _turn(graph: _Graph, rotation: str) -> str:
+    """How all networks read the head's rotation, see RegressorNetwork.turn."""
+    facing, wide = (
+        graph.node("Div", rotation, graph.constant(name, np.float32(unit)))
+        for name, unit in (("facing", FACING), ("typical", TYPICAL))
+    )
+    factors = [graph.node("MatMul", wide, graph.constant(f"factor_{i}", factor)) for i, factor in enumerate(FACTORS)]
+    terms = graph.node("Concat", wide, graph.node("Mul", *factors), axis=1)
+    parts = [
+        graph.clipped(part, *(graph.constant(f"{name}_{end}", np.float32(sign * bound)) for end, sign in ENDS))
+        for part, name, bound in ((facing, "facing", 1.0), (terms, "turn", TURN_LIMIT))
+    ]
+    return graph.node("Concat", *parts, axis=1)
+
+
 def _answer(
-    graph: _Graph, features: str, prefix: str, member: RegressorNetwork, shared: Mapping[str, NDArray[np.float32]]
+    graph: _Graph,
+    features: str,
+    turn: str,
+    prefix: str,
+    member: RegressorNetwork,
+    shared: Mapping[str, NDArray[np.float32]],
 ) -> str:
-    """The control weights [1, E] that one network answers to ``features``; what all have in common is ``shared``."""
+    """The control weights [1, E] that one network answers to ``features`` of a head with this ``turn``; what all have
+    in common is ``shared``."""
     own = {name: tensor.detach().cpu().numpy() for name, tensor in member.state_dict().items()}
     if any((own[name] != array).any() for name, array in shared.items()):
         raise ValueError("these networks are for different avatars")
-    _, rotation = INPUTS
     lower, upper = graph.constant("lower", shared["lower"]), graph.constant("upper", shared["upper"])
     centred = graph.node("Sub", features, graph.constant(f"{prefix}feature_mean", own["feature_mean"]))
     kappa = graph.node("MatMul", centred, graph.learned(f"{prefix}projection", own["projection"]))
@@ -122,7 +148,7 @@ def _answer(
     scores = graph.node("Slice", features, *ends)
     start = graph.node("MatMul", scores, graph.constant(f"{prefix}start", own["start"]))
     start = graph.clipped(start, lower, upper)
-    hidden = graph.node("Concat", kappa, rotation, start, axis=1)
+    hidden = graph.node("Concat", kappa, turn, start, axis=1)
     indices = sorted({int(name.split(".")[1]) for name in own if name.startswith("layers.")})
     for position, index in enumerate(indices):
         rows = own["leaders"] if index == indices[-1] else slice(None)

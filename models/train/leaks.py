@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from .response import Responses
 
 Floats = NDArray[np.float32]
-_TYPICAL = 0.2
+TYPICAL = 0.2
 """Radians: squares of rotations in this unit are about as large as rotations."""
 _FIRST, _SECOND = np.triu_indices(3)
+FACTORS = np.eye(3, dtype=np.float32)[:, _FIRST], np.eye(3, dtype=np.float32)[:, _SECOND]
+"""Both [3, 6]: rotations times the one, times rotations times the other, are their squares and products."""
 TERMS = 3 + len(_FIRST)
 _PENALTY = 1e-4
 """Of a term, in squared radians."""
@@ -22,7 +24,7 @@ _PENALTY = 1e-4
 
 def turned(rotations: Floats) -> Floats:
     """[S, TERMS] pitch, yaw and roll [S, 3], radians, their squares and products."""
-    products = rotations[:, _FIRST] * rotations[:, _SECOND] / _TYPICAL
+    products = (rotations @ FACTORS[0]) * (rotations @ FACTORS[1]) / TYPICAL
     return np.concatenate([rotations, products], 1).astype(np.float32)
 
 

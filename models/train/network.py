@@ -7,20 +7,29 @@ from torch import Tensor, nn
 
 from ..driver.features import DIMENSION, SCORES
 from .controls import UNBOUNDED, Controls
+from .leaks import FACTORS, TERMS, TYPICAL
 from .reduction import Reduction
 
 HIDDEN = 256
 KAPPA_LIMIT = 4.0
 """kappa is clipped here, in sigmas: a face far outside the training set must not reach the network as a huge number."""
+TURN_LIMIT = 8.0
+"""The same for rotations in units of TYPICAL, their squares and products: beyond 32 degrees all squares are alike."""
+FACING = 0.05
+"""Radians: who turns his head by no more faces the camera, and what is read on him is no pose leak. Networks see
+rotations up to here once more, in this unit; in radians alone, where they are small, half a pucker from the front was
+doubted as if the head had turned."""
 
 
 class RegressorNetwork(nn.Module):
     """Relative features r [B, D] and head rotation [B, 3] (radians) to control weights, and on to coefficients.
 
-    weights = clip(start(r) + reach tanh(MLP(kappa, rotation)[leaders]))
+    weights = clip(start(r) + reach tanh(MLP(kappa, turn)[leaders]))
     k = 3 sigma f((rest + weights @ to_coefficients) / (3 sigma))
 
     f is tanh (equation 4) for coefficients; for ARKit weights it begins to bend at ``controls.STRAIGHT``.
+
+    turn: the rotation near the front, and as far as it goes with its squares and products, like pose leak (``leaks``).
 
     ``start`` is the unlearned reading of the scores, so that an untrained network already drives.
     """
@@ -38,6 +47,8 @@ class RegressorNetwork(nn.Module):
     straight: Tensor
     pairs: Tensor
     leaders: Tensor
+    first: Tensor
+    second: Tensor
 
     def __init__(self, reduction: Reduction, controls: Controls) -> None:
         super().__init__()
@@ -59,7 +70,9 @@ class RegressorNetwork(nn.Module):
         constant("straight", np.array(controls.straight))
         self.register_buffer("pairs", torch.from_numpy(controls.pairs))
         self.register_buffer("leaders", torch.from_numpy(controls.leaders))
-        inputs = reduction.projection.shape[1] + 3 + len(controls.lower)
+        constant("first", FACTORS[0])
+        constant("second", FACTORS[1])
+        inputs = reduction.projection.shape[1] + 3 + TERMS + len(controls.lower)
         self.layers = nn.Sequential(
             nn.Linear(inputs, HIDDEN),
             nn.ReLU(),
@@ -80,7 +93,14 @@ class RegressorNetwork(nn.Module):
         features = torch.maximum(features, self.least)
         kappa = ((features - self.feature_mean) @ self.projection).clamp(-KAPPA_LIMIT, KAPPA_LIMIT)
         start = self.started(features)
-        return torch.cat([kappa, rotation, start], 1), start
+        return torch.cat([kappa, self.turn(rotation), start], 1), start
+
+    def turn(self, rotation: Tensor) -> Tensor:
+        """[B, 3 + TERMS] how layers read the head's rotation [B, 3]."""
+        facing = (rotation / FACING).clamp(-1, 1)
+        wide = rotation / TYPICAL
+        products = (wide @ self.first) * (wide @ self.second)
+        return torch.cat([facing, torch.cat([wide, products], 1).clamp(-TURN_LIMIT, TURN_LIMIT)], 1)
 
     def steered(self, inputs: Tensor, start: Tensor) -> Tensor:
         """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""

@@ -14,6 +14,8 @@ from gemheads.models.train.controls import (  # noqa: E402
     controls_of,
 )
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
+from gemheads.models.train.leaks import TYPICAL, turned  # noqa: E402
+from gemheads.models.train.network import FACING, TURN_LIMIT  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 from toynetwork import network_of, relative_features  # noqa: E402
 
@@ -26,8 +28,21 @@ def test_the_exported_graph_is_the_network(rigged: bool) -> None:
     with torch.no_grad():
         wanted = network(torch.from_numpy(features), torch.from_numpy(rotations)).numpy()
     got = np.stack([regressor(f, r) for f, r in zip(features, rotations, strict=True)])
-    np.testing.assert_allclose(got, wanted, atol=1e-4)
+    np.testing.assert_allclose(got, wanted, atol=5e-4)
     assert np.ptp(got, axis=0).max() > 0.1
+
+
+def test_a_small_turn_counts_as_much_as_a_large_one_and_none_is_a_huge_number() -> None:
+    """Whether a head faces the camera decides whether what is read may be pose leak."""
+    network = network_of(controls_of(toy_gem()))
+    yaws = torch.tensor([0.0, FACING, 0.4, 40.0])
+    turn = network.turn(torch.stack([0 * yaws, yaws, 0 * yaws], 1))
+    assert not turn[0].any()
+    facing, wide = turn[:, :3], turn[:, 3:]
+    np.testing.assert_allclose(facing[:, 1], [0, 1, 1, 1], rtol=1e-6)
+    rotations = torch.tensor([[0.0, FACING, 0.0], [0.1, 0.4, -0.2]])
+    np.testing.assert_allclose(network.turn(rotations)[:, 3:] * TYPICAL, turned(rotations.numpy()), rtol=1e-5)
+    assert wide.abs().max() == TURN_LIMIT
 
 
 def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
@@ -41,7 +56,7 @@ def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
         seen = torch.from_numpy(features), torch.from_numpy(rotations)
         weights = torch.stack([member.weights(*seen) for member in members]).mean(0)
     wanted = controls.coefficients(weights.numpy())
-    np.testing.assert_allclose(got, wanted, atol=1e-4)
+    np.testing.assert_allclose(got, wanted, atol=5e-4)
     alone = Regressor(export_onnx(members[:1]), toy_gem().coefficient_count)
     assert max(np.abs(g - alone(f, r)).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
 
