@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.driver.answer import Answer, Express
 from ..models.driver.face import FaceObservation
 from ..models.driver.neutral import NeutralChoice
 from ..models.driver.regressor import Regressor
@@ -16,7 +17,6 @@ from .casting import Avatar, expression_of
 from .errors import InputError
 from .following import (
     Actor,
-    Express,
     Memory,
     Tracker,
     count_faces,
@@ -154,7 +154,7 @@ class Acting:
         self._advance(dt, seen=True)
         self._pass(given.seconds, started)
         before = replace(self._memory, expression=None, turn=None) if exact else self._memory
-        self._memory = replace(take_on(self._actor, before, self._of_weights(given), given.turn, dt), faces=1)
+        self._memory = replace(take_on(self._actor, before, self._of_weights(given), dt), faces=1)
         self._memory, pose = act(self._actor, self._memory, seen=True)
         self.hints = Hints()
         return self._shot(pose, started, given.seconds, stages={"express": self._clock() - started})
@@ -203,7 +203,7 @@ class Acting:
             memory = replace(follow(self._with_neutral(), fresh, self._face, 0.0), box=memory.box)
         elif self._weights is not None:
             fresh = replace(memory, expression=None, turn=None)
-            memory = take_on(self._actor, fresh, self._of_weights(self._weights), self._weights.turn, 0.0)
+            memory = take_on(self._actor, fresh, self._of_weights(self._weights), 0.0)
         self._memory, pose = act(self._actor, memory, followed)
         return self._shot(pose, started, now, stages={"express": self._clock() - started})
 
@@ -222,11 +222,11 @@ class Acting:
         assert self.settling.now is not None
         return replace(self._actor, neutral=self.settling.now)
 
-    def _of_weights(self, given: WeightsFrame) -> NDArray[np.float32]:
+    def _of_weights(self, given: WeightsFrame) -> Answer:
         gem = self._avatar.gem
-        return (
-            gem.rest_coefficients if gem.arkit_weights is None else gem.clamped(gem.arkit_coefficients(given.weights))
-        )
+        rigged = gem.arkit_weights is not None
+        coefficients = gem.clamped(gem.arkit_coefficients(given.weights)) if rigged else gem.rest_coefficients
+        return Answer(coefficients, given.turn)
 
     def _elapsed(self, source_secs: float | None, now: float) -> float:
         """Seconds since the last moment, by the source where it is steady, else by the clock, which says ``now``."""

@@ -1,21 +1,19 @@
 """Who plays: an avatar's file opened and joined with what drives it."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from ..models import arkit
-from ..models.driver.baseline import baseline_weights
-from ..models.driver.nodding import Nodding, nodding_of
+from ..models.driver.answer import Express, by_scores
 from ..models.driver.regressor import Regressor, RegressorError
 from ..models.gem import Gem
 from ..models.gemfile import GemFormatError, load_gem
 from ..models.wholefile import file_sha256
 from .errors import InputError, UsageError
-from .following import Express, Floats
+from .following import Floats
 from .tracks import Track
 
 Driving = Literal["learned", "baseline"]
@@ -28,11 +26,6 @@ class Avatar:
     gem: Gem
     path: Path
     sha256: str
-
-    @cached_property
-    def nodding(self) -> Nodding:
-        """What its drivers' expressions only seem to nod."""
-        return nodding_of(self.gem)
 
     @property
     def lids(self) -> Floats:
@@ -70,18 +63,18 @@ def check_track(avatar: Avatar, track: Track, path: Path) -> None:
 
 
 def expression_of(avatar: Avatar, driving: Driving) -> Express:
-    """What turns relative features and rotation into this avatar's coefficients. Raises InputError when it has none."""
+    """What turns relative features and rotation into what this avatar does. Raises InputError when it has none."""
     gem = avatar.gem
     if driving == "baseline":
         if gem.arkit_weights is None:
             raise InputError(f"{avatar.path}: knows no ARKit shapes, so use --driver learned")
-        return lambda features, turn: gem.clamped(gem.arkit_coefficients(baseline_weights(features)))
+        return by_scores(gem)
     if gem.regressor is None:
         raise InputError(
             f"{avatar.path}: has no regressor, so nothing turns a face into its expressions;"
             f" train one with `gemheads train-regressor {avatar.path}`, or use --driver baseline"
         )
     try:
-        return Regressor(gem.regressor, gem.coefficient_count)
+        return Regressor.of(gem)
     except RegressorError as error:
         raise InputError(f"{avatar.path}: {error}") from error

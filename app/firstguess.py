@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.driver.answer import Express
 from ..models.driver.face import FaceObservation, FaceTracker
 from ..models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..models.gem import Gem
@@ -12,7 +13,6 @@ from ..render.camera import Camera
 from ..render.compositing import over
 from ..render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 from ..render.software import SoftwareEngine
-from .following import Express
 
 Floats = NDArray[np.float32]
 _UPRIGHT = np.diag([1.0, -1.0, -1.0])
@@ -56,7 +56,7 @@ class Guesser:
         coefficients = self._gem.rest_coefficients
         if self._express is not None:
             relative = feature_vector(face) - feature_vector(rest)
-            coefficients = self._gem.clamped(self._express(relative, seen.astype(np.float32)))
+            coefficients = self._gem.clamped(self._express(relative, seen.astype(np.float32)).coefficients)
         turn = (_UPRIGHT @ self._camera.world_to_camera[:3, :3]).T @ seen
         return Guess(coefficients, turn.astype(np.float32), self._move(face, rest, turn).astype(np.float32))
 

@@ -10,12 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.driver.answer import Express
 from ..render.camera import Camera
 from .cameras import load_camera
 from .casting import Avatar, expression_of, open_avatar
 from .errors import ExitCode, InputError, UsageError
 from .firstguess import Guesser
-from .following import Express
 from .frames import Frame
 from .performance import Pose
 from .pictures import write_png

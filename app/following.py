@@ -1,26 +1,22 @@
 """Following one face: who it is, what it does relative to its neutral, smoothed; what ``live.drive`` is made of."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.driver.answer import Answer, Express
 from ..models.driver.detector import Detection
 from ..models.driver.face import Box, FaceObservation
 from ..models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..models.driver.neutral import NeutralChoice
-from ..models.driver.nodding import Nodding
 from ..models.driver.smoothing import OneEuro, Smoothed, step
 from ..models.gem import Gem
 from .frames import Frame, is_cut, thumbnail
 from .state import HOLD_SECS, Attention, update
 
 Floats = NDArray[np.floating]
-Express = Callable[[Floats, Floats], Floats]
-"""Relative features [D] and relative head rotation [3] to coefficients."""
-
 EXPRESSION_FILTER = OneEuro(min_cutoff_hz=2.0, beta=1.0, together=True)
 """On coefficients in units of their sigma. On a talking face it takes 30 % of the tremble (second differences) and
 keeps a correlation of .98 to .996 for smile, jaw and blink; with one cutoff a coefficient the smile falls to .86."""
@@ -72,8 +68,6 @@ class Actor:
     gains: Floats | None = None
     """[coefficients, coefficients] what becomes of coefficients away from rest, multiplied from the right."""
     turn_gain: float = 1.0
-    nodding: Nodding | None = None
-    """What expressions only seem to nod; None takes nothing off."""
 
 
 @dataclass(frozen=True)
@@ -127,15 +121,13 @@ def look(tracker: Tracker, before: Memory, frame: Frame) -> tuple[Memory, Look]:
 def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Memory:
     """The face's features, relative to the neutral, through the regressor and the filters."""
     relative = feature_vector(face) - actor.neutral.features
-    turn = relative_rotation(head_rotation(face), actor.neutral.rotation)
-    coefficients = actor.express(relative, turn)
-    if actor.nodding is not None:
-        turn = actor.nodding.taken_off(turn, coefficients)
-    return take_on(actor, replace(memory, box=face.box_px), coefficients, turn, dt)
+    answer = actor.express(relative, relative_rotation(head_rotation(face), actor.neutral.rotation))
+    return take_on(actor, replace(memory, box=face.box_px), answer, dt)
 
 
-def take_on(actor: Actor, memory: Memory, coefficients: Floats, turn: Floats, dt: float) -> Memory:
-    """Coefficients and the head's rotation from its neutral, through gains and filters; what is not finite is not."""
+def take_on(actor: Actor, memory: Memory, answer: Answer, dt: float) -> Memory:
+    """What the avatar shall do, through gains and filters; what is not finite is not."""
+    coefficients, turn = answer.coefficients, answer.turn
     away = coefficients - actor.gem.rest_coefficients
     sigmas = (away if actor.gains is None else away @ actor.gains) / actor.gem.sigma
     if not (np.isfinite(sigmas).all() and np.isfinite(turn).all()):

@@ -276,7 +276,6 @@ class _Run:
             gem=avatar.gem,
             lids=avatar.lids,
             head_pose=self._wish.head_pose,
-            nodding=avatar.nodding,
         )
         return perform(actor, ahead(source.frames()), self.watch)
 

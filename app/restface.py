@@ -134,9 +134,9 @@ def judge(session: RestSession, avatar: Avatar) -> Resting | None:
     kept = _near(features)
     neutral = _middle(features[kept]).astype(np.float32)
     rotation = geometric_median(rotations[kept])
-    still = express(np.zeros_like(neutral), np.zeros(3))  # a regressor's own leaning is not the driver's
+    still = express(np.zeros_like(neutral), np.zeros(3)).coefficients  # a regressor's own leaning is not the driver's
     moved = [
-        np.linalg.norm(express(f - neutral, relative_rotation(r, rotation)) - still)
+        np.linalg.norm(express(f - neutral, relative_rotation(r, rotation)).coefficients - still)
         for f, r in zip(features[kept], rotations[kept], strict=True)
     ]
     residual = float(np.median(moved) / np.linalg.norm(avatar.gem.sigma))

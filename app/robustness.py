@@ -65,8 +65,8 @@ def robustness(
     correlations: dict[str, NDArray[np.float64]] = {}
     means: dict[str, Extent] = {}
     for tracked, answers in zip(clips, coefficients, strict=True):
-        at_rest, _ = answered(express, tracked.clip.neutral, tracked.clip.neutral)
-        away.append(answers - at_rest)
+        at_rest = answered(express, tracked.clip.neutral, tracked.clip.neutral).coefficients
+        away.append((answers - at_rest).astype(np.float32))
         still = tracked.still(kept)
         if still is not None:
             jitters[tracked.name] = jitter(still, tracked.clip.neutral, express, gem, EXPRESSION_FILTER)

@@ -36,7 +36,7 @@ def run_tracking(
     tracker = FaceTracker()
     express = expression_of(cast, driving)
     neutral = find_neutral(rule, source, tracker)
-    actor = Actor(tracker, neutral, express, cast.gem, cast.lids, nodding=cast.nodding)
+    actor = Actor(tracker, neutral, express, cast.gem, cast.lids)
     poses: list[Pose] = []
     times: list[int] = []
     tally, code = Tally(), ExitCode.OK

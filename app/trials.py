@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..models.crossing.loop import Express
 from ..models.crossing.mirror import Mirror
+from ..models.driver.answer import Express
 from ..models.gem import Gem
 from .casting import Driving, expression_of, open_avatar
 from .entrants import Entrant

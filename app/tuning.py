@@ -7,11 +7,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..models.arkit import NAMES
+from ..models.driver.answer import Express
 from ..models.driver.neutral import NeutralChoice
 from ..models.driver.smoothing import OneEuro
 from ..models.gem import Gem
 from .casting import Avatar
-from .following import EXPRESSION_FILTER, TURN_FILTER, Actor, Express, Floats, Tracker
+from .following import EXPRESSION_FILTER, TURN_FILTER, Actor, Floats, Tracker
 
 Group = Literal["mouth", "eyes", "brows", "head"]
 GROUPS: tuple[Group, ...] = get_args(Group)
@@ -81,7 +82,6 @@ def actor_for(avatar: Avatar, tracker: Tracker, express: Express, tuning: Tuning
         smoother(TURN_FILTER, smoothing),
         gain_matrix(avatar.gem, tuning),
         tuning.gain("head"),
-        avatar.nodding,
     )
 
 

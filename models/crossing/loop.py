@@ -6,14 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..driver.answer import Answer, Express
 from ..driver.features import relative_rotation
 from .album import Album, bound, packed, small
 from .clip import Clip
 from .mirror import Mirror
-from .reading import Array, Reading, Readings, stacked
-
-Express = Callable[[NDArray[np.float32], Array], NDArray[np.floating]]
-"""Relative features [D] and relative head rotation [3] to coefficients [n]."""
+from .reading import Reading, Readings, stacked
 
 
 @dataclass(frozen=True)
@@ -32,10 +30,9 @@ class Echo:
     """[F]"""
 
 
-def answered(express: Express, reading: Reading, neutral: Reading) -> tuple[NDArray[np.float32], Array]:
-    """What a picture of a driver with this neutral gives: coefficients [n], and the head's rotation [3] from it."""
-    rotation = relative_rotation(reading.rotation, neutral.rotation)
-    return np.asarray(express(reading.features - neutral.features, rotation), np.float32), rotation
+def answered(express: Express, reading: Reading, neutral: Reading) -> Answer:
+    """What a picture of a driver with this neutral makes an avatar do."""
+    return express(reading.features - neutral.features, relative_rotation(reading.rotation, neutral.rotation))
 
 
 def echo(
@@ -56,13 +53,13 @@ def echo(
     neutral = mirror.neutral(components)
     mirror.restart()
     for i in range(len(clip.readings)):
-        answer, rotation = answered(express, clip.readings[i], clip.neutral)
-        picture = mirror.follow(answer, rotation, components)
+        answer = answered(express, clip.readings[i], clip.neutral)
+        picture = mirror.follow(answer, components)
         reading = mirror.read(picture)
         seen.append(reading is not None)
         if reading is not None:
             readings.append(reading)
-        coefficients.append(answer)
+        coefficients.append(np.asarray(answer.coefficients, np.float32))
         pictures.append(packed(small(picture)))
         progress()
     return Echo(

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from ...render.camera import orbit
 from ...render.compositing import over
 from ...render.software import SoftwareEngine
+from ..driver.answer import Answer
 from ..driver.face import FaceTracker
-from ..driver.nodding import nodding_of
 from ..gem import Gem
 from ..posing import pose_head
 from .reading import Image, Reading, read
@@ -33,7 +33,6 @@ class Mirror:
         viewing = gem.viewing
         distance = viewing.head_height / _HEAD_SHARE / (2 * np.tan(np.radians(fov_deg) / 2))
         self.gem = gem
-        self.nodding = nodding_of(gem)
         self._camera = orbit(viewing.target, distance, 0, 0, fov_deg, size, size)
         self._engine = SoftwareEngine()
         self._tracker = FaceTracker()
@@ -47,12 +46,9 @@ class Mirror:
         raw = pose_head(raw, gem.neck_weights, gem.neck_pivot, np.asarray(rotation), np.zeros(3))
         return over(self._engine.draw(raw, self._camera), _BACKGROUND)
 
-    def follow(
-        self, coefficients: NDArray[np.floating], rotation: NDArray[np.floating], components: int | None = None
-    ) -> Image:
-        """The picture of the avatar that does what was read on a driver, as the product has it: without the part of the
-        head's ``rotation`` [3] that the expression only seems to nod."""
-        return self.draw(coefficients, self.nodding.taken_off(rotation, coefficients), components)
+    def follow(self, answer: Answer, components: int | None = None) -> Image:
+        """The picture of the avatar that does what was read on a driver."""
+        return self.draw(answer.coefficients, answer.turn, components)
 
     def read(self, picture: Image) -> Reading | None:
         """What the tracker reads; None when it sees no face."""

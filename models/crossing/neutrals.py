@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..driver.answer import Express
 from ..gem import Gem
 from .channels import CHANNELS, table
 from .clip import Clip
 from .compare import FEWEST_SEEN, likeness
 from .extent import Extent, extent
-from .loop import Express, answered
+from .loop import answered
 from .mirror import Mirror
 from .reading import Array, Reading, stacked
 
@@ -39,13 +40,13 @@ def sway(clip: Clip, express: Express, mirror: Mirror, progress: Callable[[], No
     found, means = [], []
     for neutral in (clip.neutral, *(clip.readings[int(place)] for place in clip.others)):
         mirror.restart()
-        answers: list[NDArray[np.float32]] = []
+        answers: list[NDArray[np.floating]] = []
         shown: list[Reading] = []
         seen: list[int] = []
         for place in places:
-            answer, rotation = answered(express, clip.readings[int(place)], neutral)
-            answers.append(answer)
-            reading = mirror.read(mirror.follow(answer, rotation))
+            answer = answered(express, clip.readings[int(place)], neutral)
+            answers.append(answer.coefficients)
+            reading = mirror.read(mirror.follow(answer))
             if reading is not None:
                 shown.append(reading)
                 seen.append(int(place))

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..driver.answer import Express
 from .clip import Clip
-from .loop import Express, answered
+from .loop import answered
 from .mirror import Mirror
 
 STEPS, WARMING = 30, 3
@@ -33,7 +34,7 @@ def paces(clip: Clip, ways: Sequence[Express], mirror: Mirror) -> list[Pace]:
         reading = clip.readings[int(place)]
         for way, express in enumerate(ways):
             began = time.perf_counter()
-            picture = mirror.follow(*answered(express, reading, clip.neutral))
+            picture = mirror.follow(answered(express, reading, clip.neutral))
             drawn = time.perf_counter()
             mirror.read(picture)
             spent[turn, way] = drawn - began, time.perf_counter() - drawn

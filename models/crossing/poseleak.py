@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..driver.answer import Express
 from ..gem import Gem
 from .extent import Extent, extent
-from .loop import Express, answered
+from .loop import answered
 from .mirror import LOOKS, Mirror, UnseenAvatar
 from .reading import Array, Reading, Readings, stacked
 
@@ -77,7 +78,8 @@ def turn(mirror: Mirror) -> Turned:
 
 def leak(turned: Turned, express: Express, gem: Gem) -> Leak:
     """What a driver that only turns his head makes an avatar's expression do."""
-    still, _ = answered(express, turned.neutral, turned.neutral)
-    answers = np.stack([answered(express, turned.readings[i], turned.neutral)[0] for i in range(len(turned.readings))])
+    still = answered(express, turned.neutral, turned.neutral).coefficients
+    readings = (turned.readings[i] for i in range(len(turned.readings)))
+    answers = np.stack([answered(express, reading, turned.neutral).coefficients for reading in readings])
     sideways = (np.abs(turned.angles[:, 0]) == YAW_DEG) & (turned.angles[:, 1] == 0)
     return Leak(extent((answers - still)[sideways], gem), extent(answers - still, gem))

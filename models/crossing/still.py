@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..driver.answer import Express
 from ..driver.face import FaceTracker
 from ..driver.smoothing import OneEuro, Smoothed, step
 from ..gem import Gem
 from .clip import Clip, UnseenDriver
 from .extent import Extent, extent
-from .loop import Express, answered
+from .loop import answered
 from .reading import Image, Reading, Readings, read, stacked
 from .webcam import QUALITY, READ_NOISE, SHOT_NOISE, resensed
 
@@ -93,7 +94,7 @@ def jitter(still: Still, neutral: Reading, express: Express, gem: Gem, smoothing
     state: Smoothed | None = None
     raw, smoothed = [], []
     for i in range(len(still.readings)):
-        coefficients, _ = answered(express, still.readings[i], neutral)
+        coefficients = answered(express, still.readings[i], neutral).coefficients
         raw.append(coefficients)
         state = step(smoothing, state, (coefficients - gem.rest_coefficients) / gem.sigma, 1 / RATE)
         smoothed.append(state.value * gem.sigma)

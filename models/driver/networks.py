@@ -15,8 +15,8 @@ SCORES_FILE = "face_blendshapes.onnx"
 GEOMETRY_FILE = "geometry_pipeline_metadata_landmarks.binarypb"
 SHA256 = {
     DETECTOR_FILE: "b8297c5c3262345bdea2e460774afc0137c0b726988406648270dd9fc20e8711",
-    LANDMARKS_FILE: "f12fcafeae1cbb1f364ba9a37e781ff4ee5309c5b34e101519eaca3805e50b16",
-    SCORES_FILE: "b2c4dbb71ea35da509ab31c1b763401a33932c67b9fce4f6258e99955d933483",
+    LANDMARKS_FILE: "3d08f3e2d427af5235043922a222b7c38f308c29d14ceaedb88bea34ee5ccb31",
+    SCORES_FILE: "2ba0b6f07979551a55287719ba39a0119fa1d760f01822854ab4b1556ee5430e",
     GEOMETRY_FILE: "bdbcda96dfcb7da883da124aaa2c55dee49770d934f0fcc71747f8c21bdc75b4",
 }
 """What each file must hash to: features, neutrals and regressors are only valid with exactly these networks."""

@@ -1,10 +1,13 @@
-"""Relative features and head rotation to coefficients: the small network that an avatar's file carries."""
+"""Relative features and head rotation to what the avatar does: the small network that an avatar's file carries."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..gem import Gem
+from .answer import Answer
 from .features import DIMENSION, FEATURE_VERSION
 from .networks import NetworkError, open_session
+from .nodding import Nodding, nodding_of
 from .onnx_guard import check_graph
 
 FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "relative_features", "head_rotation", "coefficients"
@@ -22,12 +25,13 @@ class RegressorError(ValueError):
 class Regressor:
     """One avatar's regressor. Remembers its last good answer, so one per driven face."""
 
-    def __init__(self, graph: bytes, coefficients: int | None = None) -> None:
+    def __init__(self, graph: bytes, coefficients: int | None = None, nodding: Nodding | None = None) -> None:
         """Opens an ONNX graph that came with an avatar.
 
         The graph is looked through before any of it runs: its size, its operators (arithmetic only), no data outside,
         only rows of bounded width, and the names, types and shapes of its inputs and its output, which must have
         ``coefficients`` values where given; then it is run once. The clamp to +-3 sigma is part of the graph.
+        ``nodding`` is taken off the head's rotation.
 
         Raises:
             RegressorError: saying what is wrong with it.
@@ -57,19 +61,27 @@ class Regressor:
         fixed = len(shape) == 2 and shape[0] == 1 and isinstance(shape[1], int) and shape[1] > 0
         if len(outputs) != 1 or kind != "tensor(float)" or not fixed:
             raise RegressorError(f"the avatar's regressor gives {_briefly(outputs)} instead of one {OUTPUT} [1, n]")
+        self._nodding = nodding
         if coefficients is not None and shape[1] != coefficients:
             raise RegressorError(f"the avatar has {coefficients} coefficients, its regressor gives {shape[1]}")
         self.coefficients: int = shape[1]
         """Length of the coefficient vector."""
         self.failures = 0
         """How many answers failed or were not finite, and were replaced by the last good one."""
-        self._last = np.zeros(self.coefficients, np.float32)
+        self._last = Answer(np.zeros(self.coefficients, np.float32), np.zeros(3))
         at_rest = {FEATURES_INPUT: np.zeros((1, DIMENSION), np.float32), ROTATION_INPUT: np.zeros((1, 3), np.float32)}
         if self._answer(at_rest) is None:
             raise RegressorError("the avatar's regressor cannot be used: it has no answer to a face at rest")
 
-    def __call__(self, relative_features: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
-        """The coefficients [coefficients] for relative features r [D] and the head's rotation from its neutral [3].
+    @classmethod
+    def of(cls, gem: Gem) -> "Regressor":
+        """That of an avatar. Raises RegressorError where it has none, or none of use."""
+        if gem.regressor is None:
+            raise RegressorError(f"avatar '{gem.name}' has no regressor: train one (gemheads train-regressor)")
+        return cls(gem.regressor, gem.coefficient_count, nodding_of(gem))
+
+    def __call__(self, relative_features: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
+        """What relative features r [D] and the head's rotation from its neutral [3] make the avatar do.
 
         A NaN or infinity anywhere, or a failure, gives the last good answer again (at first zeros) and is counted.
         """
@@ -80,19 +92,22 @@ class Regressor:
         answer = self._answer(values)
         if answer is None:
             self.failures += 1
-            return self._last.copy()
+            answer = self._last
         self._last = answer
-        return answer.copy()
+        return Answer(answer.coefficients.copy(), answer.turn.copy())
 
-    def _answer(self, values: dict[str, NDArray[np.float32]]) -> NDArray[np.float32] | None:
-        """The graph's answer [coefficients]; None where there is none of use."""
+    def _answer(self, values: dict[str, NDArray[np.float32]]) -> Answer | None:
+        """The graph's answer; None where there is none of use."""
         if not all(np.isfinite(value).all() for value in values.values()):  # a clamp in the graph may hide a NaN
             return None
         try:
-            answer = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
+            coefficients = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
         except Exception:  # a bound above the other; onnxruntime raises a dozen unrelated classes
             return None
-        return answer if answer.shape == (self.coefficients,) and np.isfinite(answer).all() else None
+        if coefficients.shape != (self.coefficients,) or not np.isfinite(coefficients).all():
+            return None
+        turn = values[ROTATION_INPUT].reshape(3)
+        return Answer(coefficients, turn if self._nodding is None else self._nodding.taken_off(turn, coefficients))
 
 
 def _briefly(values: object) -> str:

@@ -1,10 +1,12 @@
 """A TFLite network as an ONNX graph: only the operations the three face networks use.
 
 Convolutions keep their activations in NCHW, everything else stays in the source's NHWC, with transposes where the two
-meet. The names of nodes and weights are counted in visiting order, so the same source gives the same bytes.
-Needs the packages onnx and tflite.
+meet. Of rows of tokens, which are pictures one pixel high, convolutions are matrix products, and what ten operations
+make of a layer's norm is one. The names of nodes and weights are counted in visiting order, so the same source gives
+the same bytes. Needs the packages onnx and tflite.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Literal
 
@@ -14,7 +16,8 @@ import tflite
 from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
 
-Layout = Literal["nchw", "source"]
+Layout = Literal["nchw", "source", "turned"]
+"""turned: [1, 1, n, c] held as [1, 1, c, n], so that a transposition of tokens moves nothing."""
 Array = NDArray[Any]
 
 _OPSET = 17
@@ -36,6 +39,12 @@ _BINARY = {
     "DIV": ("Div", tflite.DivOptions),
 }
 _UNARY = {"RELU": "Relu", "LOGISTIC": "Sigmoid", "NEG": "Neg", "SQRT": "Sqrt"}
+_BOTTLENECK = ("CONV_2D", "PRELU", "DEPTHWISE_CONV_2D", "CONV_2D")
+_HALF_A_BLOCK = 8
+"""onnxruntime keeps channels in blocks of 16 where processors have vectors of 512 bits: twice as many as so few cost
+nothing."""
+_LAYER_NORM = ("MEAN", "NEG", "SQUARED_DIFFERENCE", "MEAN", "ADD", "RSQRT", "MUL", "MUL", "MUL", "ADD")
+"""How TFLite spells x / sqrt(variance + epsilon) * gain, less the mean times the same."""
 
 
 def convert(source: bytes, name: str, outputs: Sequence[str], extra_tensors: Sequence[int] = ()) -> onnx.ModelProto:
@@ -60,6 +69,12 @@ class _Conversion:
         self.transposed: dict[tuple[int, Layout], str] = {}
         self.weight_names: dict[tuple[str, tuple[int, ...], bytes], str] = {}
         self.count = 0
+        self.uses = Counter(
+            int(tensor)
+            for place in range(self.graph.OperatorsLength())
+            for tensor in self.graph.Operators(place).InputsAsNumpy()
+        )
+        """Source tensor -> how many operations read it."""
         for i in range(self.graph.TensorsLength()):
             tensor = self.graph.Tensors(i)
             buffer = self.model.Buffers(tensor.Buffer())
@@ -71,8 +86,14 @@ class _Conversion:
         source_input = int(self.graph.InputsAsNumpy()[0])
         self.values[source_input] = ("input", "source")
         inputs = [helper.make_tensor_value_info("input", TensorProto.FLOAT, self.shape(source_input))]
-        for i in range(self.graph.OperatorsLength()):
-            self.add_operation(self.graph.Operators(i))
+        operations = self.dequantized([self.graph.Operators(i) for i in range(self.graph.OperatorsLength())])
+        while operations:
+            if self.layer_norm(operations[: len(_LAYER_NORM)]):
+                del operations[: len(_LAYER_NORM)]
+            elif self.bottleneck(operations[: len(_BOTTLENECK)]):
+                del operations[: len(_BOTTLENECK)]
+            else:
+                self.add_operation(operations.pop(0))
         infos: list[onnx.ValueInfoProto] = []
         tensors = [int(i) for i in self.graph.OutputsAsNumpy()] + list(extra_tensors)
         for output, tensor in zip(outputs, tensors, strict=True):
@@ -130,8 +151,11 @@ class _Conversion:
         if held == layout or len(self.shape(tensor)) != 4:
             return name
         if (tensor, layout) not in self.transposed:
-            axes = [0, 3, 1, 2] if layout == "nchw" else [0, 2, 3, 1]
-            self.transposed[tensor, layout] = self.node("Transpose", [name], perm=axes)
+            if held == "turned":
+                name = self.node("Transpose", [name], perm=[0, 1, 3, 2])
+            if layout == "nchw" or held == "nchw":
+                name = self.node("Transpose", [name], perm=[0, 3, 1, 2] if layout == "nchw" else [0, 2, 3, 1])
+            self.transposed[tensor, layout] = name
         return self.transposed[tensor, layout]
 
     def shared_layout(self, inputs: Sequence[int]) -> Layout:
@@ -145,23 +169,35 @@ class _Conversion:
             return self.node("Relu", [value])
         raise NotImplementedError(f"fused activation {activation}")
 
-    def add_operation(self, operation: Any) -> None:
+    def name_of(self, operation: Any) -> str:
         code = self.model.OperatorCodes(operation.OpcodeIndex())
-        name = _OP_NAMES[max(code.BuiltinCode(), code.DeprecatedBuiltinCode())]
-        inputs = [int(i) for i in operation.InputsAsNumpy()]
-        output = int(operation.OutputsAsNumpy()[0])
+        return _OP_NAMES[max(code.BuiltinCode(), code.DeprecatedBuiltinCode())]
+
+    def dequantized(self, operations: Sequence[Any]) -> list[Any]:
+        """Those that do not only widen weights, after these have been done."""
+        left: list[Any] = []
+        for operation in operations:
+            inputs, output = _ends(operation)
+            if self.name_of(operation) == "DEQUANTIZE":
+                self.constants[output] = self.constants[inputs[0]].astype(np.float32)
+            else:
+                left.append(operation)
+        return left
+
+    def add_operation(self, operation: Any) -> None:
+        name = self.name_of(operation)
+        inputs, output = _ends(operation)
 
         def options(kind: Any) -> Any:
-            read = kind()
-            read.Init(operation.BuiltinOptions().Bytes, operation.BuiltinOptions().Pos)
-            return read
+            return _options(operation, kind)
 
-        if name == "DEQUANTIZE":
-            self.constants[output] = self.constants[inputs[0]].astype(np.float32)
-        elif name in ("CONV_2D", "DEPTHWISE_CONV_2D"):
+        if name in ("CONV_2D", "DEPTHWISE_CONV_2D"):
             depthwise = name == "DEPTHWISE_CONV_2D"
             kind = tflite.DepthwiseConv2DOptions if depthwise else tflite.Conv2DOptions
-            self.values[output] = (self.convolution(inputs, options(kind), depthwise), "nchw")
+            if not depthwise and self.shape(inputs[0])[1] == 1 and self.constants[inputs[1]].shape[1:3] == (1, 1):
+                self.values[output] = self.product(inputs, options(kind))
+            else:
+                self.values[output] = (self.convolution(inputs, options(kind), depthwise), "nchw")
         elif name == "PRELU":
             self.values[output] = (self.prelu(inputs), "nchw")
         elif name == "MAX_POOL_2D":
@@ -196,7 +232,11 @@ class _Conversion:
             self.values[output] = (self.node("Reshape", shaped), "source")
         elif name == "TRANSPOSE":
             axes = [int(i) for i in self.constants[inputs[1]]]
-            self.values[output] = (self.node("Transpose", [self.get(inputs[0], "source")], perm=axes), "source")
+            value, held = self.values[inputs[0]]
+            if axes == [0, 1, 3, 2] and held != "nchw":
+                self.values[output] = (value, "source" if held == "turned" else "turned")
+            else:
+                self.values[output] = (self.node("Transpose", [self.get(inputs[0], "source")], perm=axes), "source")
         elif name == "CONCATENATION":
             axis = options(tflite.ConcatenationOptions).Axis()
             self.values[output] = (self.node("Concat", [self.get(i, "source") for i in inputs], axis=axis), "source")
@@ -240,6 +280,81 @@ class _Conversion:
             group=shape[3] if depthwise else 1,
         )
         return self.activated(value, options.FusedActivationFunction())
+
+    def product(self, inputs: Sequence[int], options: Any) -> tuple[str, Layout]:
+        """A 1x1 convolution of tokens [1, 1, n, in] as the matrix product that it is, in the layout of the tokens."""
+        if (options.StrideH(), options.StrideW()) != (1, 1):
+            raise NotImplementedError("1x1 convolution with a stride")
+        rows = self.constants[inputs[1]].reshape(len(self.constants[inputs[1]]), -1)
+        bias = self.constants[inputs[2]]
+        if self.values[inputs[0]][1] == "turned":
+            factors = [self.weight(rows), self.values[inputs[0]][0]]
+            bias, layout = bias[:, None], "turned"
+        else:
+            factors, layout = self.weight_after(inputs[0], "source", np.ascontiguousarray(rows.T)), "source"
+            bias = bias[None, None, None]  # of one row, it would be joined with the product by two more reshapes
+        value = self.node("Add", [self.node("MatMul", factors), self.weight(bias)])
+        return self.activated(value, options.FusedActivationFunction()), layout
+
+    def layer_norm(self, operations: Sequence[Any]) -> bool:
+        """Adds one LayerNormalization for ``operations`` where they are one; False, and nothing is added, where not."""
+        if tuple(self.name_of(operation) for operation in operations) != _LAYER_NORM:
+            return False
+        inputs, outputs = zip(*(_ends(operation) for operation in operations), strict=True)
+        (value, axes), epsilon, gain = inputs[0], inputs[4][1], inputs[6][1]
+        mean, minus, squares, variance, padded, root, scaled, larger, offset, _ = outputs
+        wired = ([value, axes], [mean], [value, mean], [squares, axes], [variance, epsilon], [padded], [root, gain],
+                 [value, scaled], [minus, scaled], [larger, offset])  # fmt: skip
+        if inputs != wired or (self.constants[axes] % len(self.shape(value))).tolist() != [len(self.shape(value)) - 1]:
+            return False
+        arguments = self.weight_after(value, "source", self.constants[gain])
+        spare = float(self.constants[epsilon].item())
+        self.values[outputs[-1]] = (self.node("LayerNormalization", arguments, axis=-1, epsilon=spare), "source")
+        return True
+
+    def bottleneck(self, operations: Sequence[Any]) -> bool:
+        """Adds three convolutions for a narrow one, PReLU, a depthwise and a wide one; False, and nothing is added,
+        where ``operations`` are not these.
+
+        The narrow one gives Relu(x) and Relu(-x), of which PReLU is the first less a times the second; the depthwise
+        one treats both alike, and the wide one adds them up. Three passes over the picture less.
+        """
+        if tuple(self.name_of(operation) for operation in operations) != _BOTTLENECK:
+            return False
+        ends = [_ends(operation) for operation in operations]
+        (narrow, slope, depthwise, wide), outputs = (list(part) for part in zip(*ends, strict=True))
+        weights, bias = (self.constants[tensor] for tensor in narrow[1:])
+        wired = all(one[0] == before for one, before in zip((slope, depthwise, wide), outputs, strict=False))
+        alone = all(self.uses[tensor] == 1 for tensor in outputs[:3])
+        if not wired or not alone or len(weights) > _HALF_A_BLOCK or weights.shape[1:3] != (1, 1):
+            return False
+        steps = self.constants[slope[1]].reshape(-1).astype(np.float32)
+        signs = np.repeat(np.array([1, -1], np.float32), len(steps))
+        value = self.conv(
+            self.get(narrow[0], "nchw"),
+            np.concatenate([weights, -weights]).transpose(0, 3, 1, 2),
+            signs * np.tile(bias, 2),
+        )
+        kernel, offset = (self.constants[tensor] for tensor in depthwise[1:])
+        options = _options(operations[2], tflite.DepthwiseConv2DOptions)
+        value = self.conv(
+            self.node("Relu", [value]),
+            np.tile(kernel, 2).transpose(3, 0, 1, 2),
+            np.concatenate([offset, 0 * offset]),
+            strides=[options.StrideH(), options.StrideW()],
+            pads=self.padding(options.Padding(), self.shape(depthwise[0])[1:3], kernel.shape[1:3], options),
+            group=2 * len(steps),
+        )
+        last, end = (self.constants[tensor] for tensor in wide[1:])
+        both = np.concatenate([last, -steps * last], 3)
+        self.values[outputs[3]] = (self.conv(value, both.transpose(0, 3, 1, 2), end), "nchw")
+        return True
+
+    def conv(self, value: str, oihw: Array, bias: Array, **attributes: Any) -> str:
+        """A convolution of stride 1 without padding, unless ``attributes`` say otherwise."""
+        arguments = [value, self.weight(np.ascontiguousarray(oihw, np.float32)), self.weight(bias.astype(np.float32))]
+        attributes.setdefault("kernel_shape", list(oihw.shape[2:]))
+        return self.node("Conv", arguments, **attributes)
 
     def prelu(self, inputs: Sequence[int]) -> str:
         """PReLU(x) = (1 - a) Relu(x) + a x as two depthwise 1x1 convolutions.
@@ -286,3 +401,15 @@ class _Conversion:
         arguments += [self.weight(a) for a in (begin, end, np.arange(len(begin), dtype=np.int64), stride)]
         sliced = self.node("Slice", arguments)
         return self.node("Reshape", [sliced, self.weight(np.array(self.shape(output), np.int64))])
+
+
+def _ends(operation: Any) -> tuple[list[int], int]:
+    """The tensors that go into an operation, and the one that comes out."""
+    return [int(i) for i in operation.InputsAsNumpy()], int(operation.OutputsAsNumpy()[0])
+
+
+def _options(operation: Any, kind: Any) -> Any:
+    """An operation's options, which are of this kind."""
+    read = kind()
+    read.Init(operation.BuiltinOptions().Bytes, operation.BuiltinOptions().Pos)
+    return read

@@ -38,7 +38,7 @@ class ClosedLoop:
         self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
         self._people = network.inputs(*self._seen)
         self._resting = torch.from_numpy(np.flatnonzero(people.resting))
-        self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.rotations))
+        self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.seen_rotations))
         still = torch.zeros(1, own.seen.weights.shape[1])
         self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
 

@@ -35,7 +35,7 @@ def answers_of(network: RegressorNetwork, people: Crowd) -> NDArray[np.float32]:
 def remembered(regressor: Regressor, controls: Controls, people: Crowd) -> NDArray[np.float32]:
     """[S, E] control weights that the regressor which an avatar has gives each moment of ``people``."""
     moments = zip(people.features, people.rotations, strict=True)
-    return controls.weights(np.stack([regressor(features, rotation) for features, rotation in moments]))
+    return controls.weights(np.stack([regressor(features, rotation).coefficients for features, rotation in moments]))
 
 
 def rehearse(

@@ -12,8 +12,8 @@ from ...render.camera import Camera, orbit
 from ...render.compositing import over
 from ...render.gaussians import RawGaussians
 from ...render.software import SoftwareEngine
-from ..driver.face import FaceTracker
-from ..driver.features import feature_vector
+from ..driver.face import FaceObservation, FaceTracker
+from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..gem import Gem
 from ..posing import pose_head
 from .controls import Controls
@@ -45,6 +45,8 @@ class Responses:
     """[S, E] control weights."""
     rotations: NDArray[np.float32]
     """[S, 3] head rotation that was drawn: pitch, yaw, roll as a rotation vector, radians."""
+    seen_rotations: NDArray[np.float32]
+    """[S, 3] the rotation that the tracker reads, from that of the neutral: an expression may seem to nod."""
     features: NDArray[np.float32]
     """[S, D] features relative to the avatar's own frontal neutral picture."""
 
@@ -71,6 +73,7 @@ def joined(parts: Sequence[Responses]) -> Responses:
     return Responses(
         np.concatenate([part.weights for part in parts]),
         np.concatenate([part.rotations for part in parts]),
+        np.concatenate([part.seen_rotations for part in parts]),
         np.concatenate([part.features for part in parts]),
     )
 
@@ -104,16 +107,15 @@ def measure_responses(
         rotations[at_rest(weights)] *= RESTING_SPREAD
         rotations[: len(weights) // 5] = 0
     kept: list[int] = []
-    features: list[NDArray[np.float32]] = []
+    features, turns = [np.empty((0, DIMENSION), np.float32)], [np.empty((0, 3), np.float32)]
     for index in range(len(weights)):
         seen = studio.read(controls.coefficients(weights[index]), rotations[index], rng)
         if seen is not None:
             kept.append(index)
-            features.append(seen - neutral)
+            features.append((feature_vector(seen) - feature_vector(neutral))[None])
+            turns.append(relative_rotation(head_rotation(seen), head_rotation(neutral)).astype(np.float32)[None])
         progress(index + 1, len(weights))
-    return Responses(
-        weights[kept], rotations[kept], np.stack(features) if features else np.empty((0, len(neutral)), "f4")
-    )
+    return Responses(weights[kept], rotations[kept], np.concatenate(turns), np.concatenate(features))
 
 
 class _Studio:
@@ -130,8 +132,8 @@ class _Studio:
         rotation: NDArray[np.floating],
         rng: np.random.Generator,
         still: bool = False,
-    ) -> NDArray[np.float32] | None:
-        """The feature vector of one picture, or None where no face is seen."""
+    ) -> FaceObservation | None:
+        """What one picture shows; None where no face is seen."""
         self._composed = self._gem.compose(coefficients, out=self._composed)
         head = replace(self._composed, positions=self._composed.positions + self._displacement)
         posed = pose_head(head, self._gem.neck_weights, self._gem.neck_pivot, rotation, np.zeros(3))
@@ -144,7 +146,7 @@ class _Studio:
         observation = self._tracker.track(picture)
         for _ in range((_LOOKS_STILL if still else _LOOKS) - 1):
             observation = None if observation is None else self._tracker.track(picture)
-        return None if observation is None else feature_vector(observation)
+        return observation
 
     def _displaced(self) -> NDArray[np.float32] | float:
         """[N, 3] by which the head's shape moves the avatar's splats; the splats keep their sizes and turns."""

@@ -55,9 +55,7 @@ def self_reenactment(
 
     Raises ValueError where the split shows no face, or the avatar has no regressor.
     """
-    if gem.regressor is None:
-        raise ValueError(f"'{gem.name}' has no regressor")
-    regressor = Regressor(gem.regressor, gem.coefficient_count)
+    regressor = Regressor.of(gem)
     cameras = frontal_cameras(capture)
     shots = [shot for shot in capture.shots(split) if shot.camera_index in cameras]
     front = next((c for c in cameras if any(shot.camera_index == c for shot in shots)), -1)
@@ -66,7 +64,9 @@ def self_reenactment(
     seen = see(capture, shots, neutral, lambda done, total: progress("held out", done, total))
     if not len(seen):
         raise ValueError(f"the tracker sees no face in the {split} pictures of {capture.folder}")
-    driven = [regressor(f, r).copy() for f, r in zip(seen.features, seen.rotations, strict=True)]
+    driven = [
+        np.asarray(regressor(f, r).coefficients, np.float32) for f, r in zip(seen.features, seen.rotations, strict=True)
+    ]
     fitted: dict[int, Floats] = {}
     for moment in fit_moments(gem, capture, shots):
         fitted[moment.timestep] = moment.fit.coefficients

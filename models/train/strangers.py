@@ -52,7 +52,7 @@ class Crowd:
     features: Floats
     """[S, D] relative features."""
     rotations: Floats
-    """[S, 3] relative head rotation, radians."""
+    """[S, 3] relative head rotation as the tracker reads it, radians."""
     wanted: Floats
     """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
     resting: NDArray[np.bool_]
@@ -114,13 +114,13 @@ def _invented(
     """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``."""
     which = rng.integers(len(people), size=count)
     features = np.empty((count, DIMENSION), np.float32)
-    rotations = np.empty((count, 3), np.float32)
+    rotations, seen_rotations = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
     wanted = np.empty((count, len(channel_indices())), np.float32)
     resting = np.zeros(count, np.bool_)
     for index, person in enumerate(people):
         rows = np.flatnonzero(which == index)
         picked = rng.integers(len(person.seen), size=len(rows))
-        rotations[rows] = person.seen.rotations[picked]
+        rotations[rows], seen_rotations[rows] = person.seen.rotations[picked], person.seen.seen_rotations[picked]
         features[rows] = person.seen.features[picked] - turned(rotations[rows]) @ leaks[index]
         wanted[rows] = fronts[index][picked]
         resting[rows] = at_rest(person.seen.weights)[picked]
@@ -129,8 +129,8 @@ def _invented(
     if len(footage):
         rows = rng.random(count) < 1 / 3
         picked = rng.integers(len(footage), size=int(rows.sum()))
-        features[rows], rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
-        turn = turned(rotations[rows]) @ others.mean
+        features[rows], seen_rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
+        turn = turned(seen_rotations[rows]) @ others.mean
         wanted[rows] = in_tolerances(features[rows] - turn.astype(np.float32))
         resting[rows] = False
     differing = _other_mouths(wanted, rng)
@@ -141,7 +141,7 @@ def _invented(
     wanted *= gains[:, channel_indices()]
     for name, spread in NOISE.items():
         features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
-    return Crowd(features.astype(np.float32), rotations, wanted.astype(np.float32), resting)
+    return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting)
 
 
 def _other_mouths(wanted: Floats, rng: np.random.Generator) -> Floats:

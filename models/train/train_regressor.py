@@ -189,9 +189,7 @@ def regressor_for(
 def _practised(gem: Gem) -> Former | None:
     """What an avatar has learned; None where it has no regressor that can be used, which is why it is trained again."""
     try:
-        return (
-            None if gem.regressor is None else Former(Regressor(gem.regressor, gem.coefficient_count), controls_of(gem))
-        )
+        return None if gem.regressor is None else Former(Regressor.of(gem), controls_of(gem))
     except RegressorError:
         return None
 
@@ -205,7 +203,7 @@ def _former(other: Gem, gem: Gem) -> Former:
         )
     if other.regressor is None:
         raise RegressorError(f"avatar '{other.name}' has no regressor to rehearse with; name one that has")
-    return Former(Regressor(other.regressor, other.coefficient_count), controls_of(other))
+    return Former(Regressor.of(other), controls_of(other))
 
 
 class _School:

@@ -24,9 +24,10 @@ from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.compare import Likeness, compare
 from gemheads.models.crossing.double import double_correlations
 from gemheads.models.crossing.kept import Kept
-from gemheads.models.crossing.loop import Echo, Express, echo
+from gemheads.models.crossing.loop import Echo, echo
 from gemheads.models.crossing.mirror import Mirror
-from gemheads.models.driver.baseline import baseline_weights
+from gemheads.models.driver.answer import Express, by_scores
+from gemheads.models.driver.nodding import nodding_of
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
@@ -62,10 +63,10 @@ def main() -> int:
     mirror = Mirror(gem, options.size)
     runs: dict[str, tuple[Express, int | None]] = {}
     if gem.arkit_weights is not None:
-        runs["baseline"] = (lambda relative, _: gem.arkit_coefficients(baseline_weights(relative)), None)
+        runs["baseline"] = by_scores(gem), None
     graph = options.regressor.read_bytes() if options.regressor else gem.regressor
     if graph is not None:
-        regressor = Regressor(graph, gem.coefficient_count)
+        regressor = Regressor(graph, gem.coefficient_count, nodding_of(gem))
         runs |= {f"regressor, {m} components": (regressor, m) for m in options.components}
     if not runs:
         parser.error(f"{options.avatar} has neither ARKit weights nor a regressor: nothing drives it")

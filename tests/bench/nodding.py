@@ -3,12 +3,11 @@
     python tests/bench/nodding.py [AVATAR.gem ...]
 
 The first table is where models/driver/nodding.py has its figures from: random faces of each avatar, its head still,
-ridge regression of the pitch that is read on their ARKit weights. In the second each avatar plays the driver of the
-others, with random faces and turns that are known.
+ridge regression of the pitch that is read on their ARKit weights. In the second each avatar plays the driver of all,
+with random faces and turns that are known.
 """
 
 import argparse
-from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.crossing.reading import Reading
 from gemheads.models.driver.features import relative_rotation
-from gemheads.models.driver.nodding import READ_AS_PITCH_DEG, nodding_of
+from gemheads.models.driver.nodding import READ_AS_PITCH_DEG
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gemfile import load_gem
 from gemheads.models.train.controls import controls_of
@@ -59,19 +58,14 @@ def read_off(mirrors: dict[str, Mirror], faces: int) -> None:
 
 
 def driven(mirrors: dict[str, Mirror], faces: int) -> None:
-    """RMS of the error of the pitch, degrees, with nothing, half and all of it taken off."""
-    shares = (0.0, 0.5, 1.0)
-    print(f"\n| driver | avatar | {' | '.join(f'{share:.0%} taken off' for share in shares)} |\n|---|---|---|---|---|")
-    for driver, avatar in permutations(mirrors, 2):
-        gem = mirrors[avatar].gem
-        assert gem.regressor is not None, f"{avatar} has no regressor"
-        express, nodding = Regressor(gem.regressor, gem.coefficient_count), nodding_of(gem)
-        errors = []
-        for _, turned, turn, features in shown(mirrors[driver], faces, 9, TURNS):
-            upright = nodding.taken_off(turn, express(features, turn))
-            errors.append(turn[0] - turned[0] + (upright - turn)[0] * np.array(shares))
-        cells = " | ".join(f"{degrees:.2f}" for degrees in np.degrees(np.std(errors, axis=0)))
-        print(f"| {driver} | {avatar} | {cells} |")
+    """Standard deviation of the error of the pitch, degrees."""
+    print("\n| driver | avatar | as it is read | without what seems to nod |\n|---|---|---|---|")
+    for driver in mirrors:
+        acted = shown(mirrors[driver], faces, 9, TURNS)
+        for avatar, mirror in mirrors.items():
+            express = Regressor.of(mirror.gem)
+            errors = [(turn[0] - turned[0], express(read, turn).turn[0] - turned[0]) for _, turned, turn, read in acted]
+            print(f"| {driver} | {avatar} | {' | '.join(f'{one:.2f}' for one in np.degrees(np.std(errors, axis=0)))} |")
 
 
 def shown(mirror: Mirror, faces: int, seed: int, spread: np.ndarray) -> list[tuple[np.ndarray, ...]]:

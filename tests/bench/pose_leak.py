@@ -12,7 +12,7 @@ from pathlib import Path
 
 from gemheads.models.crossing.mirror import FOV_DEG, Mirror
 from gemheads.models.crossing.poseleak import leak, turn
-from gemheads.models.driver.baseline import baseline_weights
+from gemheads.models.driver.answer import by_scores
 from gemheads.models.driver.networks import FOLDER
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gemfile import load_gem
@@ -34,11 +34,7 @@ def main() -> None:
         turned = [turn(Mirror(gems[path], asked.size, fov)) for path in asked.heads]
         for path in asked.avatars:
             gem = gems[path]
-            assert gem.regressor is not None
-            runs = (
-                (lambda features, _, gem=gem: gem.arkit_coefficients(baseline_weights(features))),
-                Regressor(gem.regressor, gem.coefficient_count),
-            )
+            runs = by_scores(gem), Regressor.of(gem)
             leaks = [[leak(one, run, gem) for run in runs] for one in turned]
             cells = [
                 ", ".join(" ".join(f"{getattr(one, where).sigma:.2f}" for one in both) for where in ("at_yaw", "all"))

@@ -81,8 +81,10 @@ def _settings(path: Path) -> None:
 
 def _onnx(path: Path) -> None:
     answer = Regressor(path.read_bytes(), honest.COMPONENTS)(np.ones(DIMENSION), np.ones(3))
-    assert answer.shape == (honest.COMPONENTS,)
-    assert np.isfinite(answer).all()
+    assert answer.coefficients.shape == (honest.COMPONENTS,)
+    assert answer.turn.shape == (3,)
+    assert np.isfinite(answer.coefficients).all()
+    assert np.isfinite(answer.turn).all()
 
 
 def _profile(path: Path) -> None:

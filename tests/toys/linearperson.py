@@ -25,4 +25,5 @@ def linear_person(shapes: np.ndarray, leak: np.ndarray, count: int = 1500, seed:
         response.linear.weight.copy_(torch.from_numpy(in_tolerances(np.concatenate([shapes, leak])).T))
         response.linear.bias.zero_()
     response.requires_grad_(False)
-    return Person(Responses(weights, rotations, (weights @ shapes + rotations @ leak).astype("f4")), response)
+    features = (weights @ shapes + rotations @ leak).astype("f4")
+    return Person(Responses(weights, rotations, rotations, features), response)

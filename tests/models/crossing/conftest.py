@@ -1,6 +1,6 @@
 """A driver who is painted and an avatar that paints what it is told: the loop without networks and without splats."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -9,8 +9,8 @@ from gemheads.models.crossing import double, still
 from gemheads.models.crossing.clip import Clip, track_clip
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.crossing.reading import Image, Reading, read
+from gemheads.models.driver.answer import Answer, Express
 from gemheads.models.driver.features import score
-from gemheads.models.driver.nodding import nodding_of
 from gemheads.models.gem import Gem
 from numpy.typing import NDArray
 from pixelface import PixelTracker, painted
@@ -22,7 +22,7 @@ class PaintedMirror(Mirror):
     """An avatar of as many coefficients as its file has, of which the first is the jaw and the second the smile."""
 
     def __init__(self, gem: Gem) -> None:
-        self.gem, self.nodding = gem, nodding_of(gem)
+        self.gem = gem
         self._tracker = PixelTracker()
         self.hidden: set[int] = set()
         self.drawn = 0
@@ -53,13 +53,13 @@ def painted_faces(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def express(tiny_gem: Gem) -> Callable[..., NDArray[np.float32]]:
-    """A driving that copies jaw and smile."""
+def express(tiny_gem: Gem) -> Express:
+    """A driving that copies jaw, smile and turn."""
 
-    def copied(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
-        answer = np.zeros(tiny_gem.coefficient_count, np.float32)
-        answer[0], answer[1] = score(relative, "jawOpen"), score(relative, "mouthSmileLeft")
-        return answer
+    def copied(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
+        coefficients = np.zeros(tiny_gem.coefficient_count, np.float32)
+        coefficients[0], coefficients[1] = score(relative, "jawOpen"), score(relative, "mouthSmileLeft")
+        return Answer(coefficients, rotation)
 
     return copied
 

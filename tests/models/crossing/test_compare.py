@@ -1,7 +1,6 @@
 """The loop, and what is made of a driver beside an avatar."""
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,12 +11,12 @@ from gemheads.models.crossing.compare import WORST, WORST_APART_SECS, compare, w
 from gemheads.models.crossing.loop import echo
 from gemheads.models.crossing.mirror import UnseenAvatar
 from gemheads.models.crossing.pace import paces
+from gemheads.models.driver.answer import Answer, Express
 from numpy.typing import NDArray
 from pixelface import painted
 
 from .conftest import PaintedMirror
 
-Express = Callable[..., NDArray[np.float32]]
 NAMES = [channel.name for channel in CHANNELS]
 JAW, SMILE, PUCKER, YAW = (NAMES.index(name) for name in ("jawOpen", "mouthSmile", "mouthPucker", "yaw"))
 
@@ -36,9 +35,9 @@ def test_what_is_copied_correlates_and_what_is_still_is_not_judged(
 
 
 def test_what_is_not_followed_is_found_and_shown(clip: Clip, mirror: PaintedMirror, express: Express) -> None:
-    def stubborn(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+    def stubborn(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
         answer = express(relative, rotation)
-        answer[0] = 0.0
+        answer.coefficients[0] = 0.0
         return answer
 
     found = compare(clip, echo(clip, stubborn, mirror))
@@ -53,9 +52,9 @@ def test_movement_of_its_own_is_among_the_worst(clip: Clip, mirror: PaintedMirro
     still = replace(clip, readings=clip.readings.only(np.zeros(50, int)))
     answers = iter(np.linspace(0, 1, 50))
 
-    def restless(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+    def restless(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
         answer = express(relative, rotation)
-        answer[1] = next(answers)
+        answer.coefficients[1] = next(answers)
         return answer
 
     found = compare(still, echo(still, restless, mirror))
@@ -120,12 +119,12 @@ def test_a_channel_that_stands_still_on_the_avatar_has_no_correlation_and_no_war
 def test_ways_of_driving_are_timed_by_turns(clip: Clip, mirror: PaintedMirror, express: Express) -> None:
     order: list[str] = []
 
-    def slow(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+    def slow(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
         order.append("slow")
         time.sleep(0.004)
         return express(relative, rotation)
 
-    def quick(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+    def quick(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
         order.append("quick")
         return express(relative, rotation)
 

@@ -1,7 +1,5 @@
 """Noise, turned heads and other neutrals: what is measured there is what was put in."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from gemheads.models.crossing import neutrals
@@ -12,14 +10,13 @@ from gemheads.models.crossing.neutrals import spread_of_correlations, spread_of_
 from gemheads.models.crossing.poseleak import PITCH_DEG, YAW_DEG, leak, path, turn
 from gemheads.models.crossing.still import FRAMES, Still, hold_still, jitter
 from gemheads.models.crossing.webcam import resensed
+from gemheads.models.driver.answer import Answer, Express
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.smoothing import OneEuro
 from gemheads.models.gem import Gem
 from numpy.typing import NDArray
 
 from .conftest import PaintedMirror, performed
-
-Express = Callable[..., NDArray[np.float32]]
 
 
 def test_a_webcams_noise_is_fresh_bright_and_inside_its_box() -> None:
@@ -45,11 +42,11 @@ def test_jitter_is_the_rms_in_sigma_and_smoothing_lessens_it(clip: Clip, tiny_ge
     rng = np.random.default_rng(5)
     away = rng.normal(0, 0.2, (FRAMES, tiny_gem.coefficient_count))
     answers = iter(tiny_gem.rest_coefficients + tiny_gem.sigma * away)
-    found = jitter(still, clip.neutral, lambda *_: next(answers).astype(np.float32), tiny_gem, OneEuro(1.0, 0.0))
+    found = jitter(still, clip.neutral, lambda *_: Answer(next(answers), np.zeros(3)), tiny_gem, OneEuro(1.0, 0.0))
     assert found.raw.sigma == pytest.approx(0.2, rel=0.1)
     assert found.smoothed.sigma < 0.6 * found.raw.sigma
     assert 0 < found.smoothed.mm < 0.6 * found.raw.mm
-    calm = jitter(still, clip.neutral, lambda *_: tiny_gem.rest_coefficients, tiny_gem, OneEuro())
+    calm = jitter(still, clip.neutral, lambda *_: Answer(tiny_gem.rest_coefficients, np.zeros(3)), tiny_gem, OneEuro())
     assert calm.raw == calm.smoothed == Extent(0, 0)
 
 
@@ -73,9 +70,9 @@ def test_a_leak_is_what_the_turn_alone_does(mirror: PaintedMirror, tiny_gem: Gem
     turned = turn(mirror)
     assert len(turned.readings) == len(path())
 
-    def leaking(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> NDArray[np.float32]:
+    def leaking(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
         assert relative.shape == (DIMENSION,)
-        return tiny_gem.rest_coefficients + tiny_gem.sigma * np.float32(rotation[1])
+        return Answer(tiny_gem.rest_coefficients + tiny_gem.sigma * np.float32(rotation[1]), rotation)
 
     found = leak(turned, leaking, tiny_gem)
     assert found.at_yaw.sigma == pytest.approx(np.radians(YAW_DEG), rel=0.03)
@@ -85,7 +82,7 @@ def test_a_leak_is_what_the_turn_alone_does(mirror: PaintedMirror, tiny_gem: Gem
     assert found.at_yaw.mm == pytest.approx(wanted, rel=0.03)
     assert found.at_yaw.over(found.at_yaw) == Extent(1, 1)
     assert found.at_yaw.over(Extent(0, 0)) == Extent(0, 0)
-    tight = leak(turned, lambda *_: tiny_gem.rest_coefficients + 5, tiny_gem)
+    tight = leak(turned, lambda *_: Answer(tiny_gem.rest_coefficients + 5, np.zeros(3)), tiny_gem)
     assert tight.at_yaw == tight.all == Extent(0, 0)
 
 
@@ -105,7 +102,7 @@ def test_neutrals_shift_the_mean_and_not_what_is_copied(
     assert swayed.correlations.shape[0] == swayed.means.shape[0] == count
     assert spread_of_correlations(swayed)[1] < 0.1
     relative = clip.readings.features[clip.others] - clip.neutral.features
-    shifts = np.array([0, *(-express(r, np.zeros(3))[1] for r in relative)])
+    shifts = np.array([0, *(-express(r, np.zeros(3)).coefficients[1] for r in relative)])
     np.testing.assert_allclose(swayed.means[:, 1] - swayed.means[0, 1], shifts, atol=1e-5)
     assert spread_of_means(swayed, tiny_gem).sigma > 0
     frozen = neutrals.Swayed(swayed.correlations, np.ones_like(swayed.means))

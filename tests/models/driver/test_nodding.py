@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
-from gemheads.models.driver.features import relative_rotation
+from gemheads.models.driver.answer import by_scores
+from gemheads.models.driver.features import DIMENSION, relative_rotation, score
 from gemheads.models.driver.nodding import MOST_DEG, READ_AS_PITCH_DEG, nodding_of
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
@@ -77,9 +78,12 @@ def test_a_still_head_that_acts_seems_to_turn_less(name: str) -> None:
     assert np.abs(left).max() < np.radians(2.0) < np.abs(seeming).max()
 
 
-def test_an_avatar_follows_as_the_product_has_it() -> None:
-    mirror = Mirror(load_gem(AVATARS / "theo.gem"), 64)
-    coefficients = mirror.gem.arkit_coefficients(weights_of(browInnerUp=1.0))
-    upright = nodding_of(mirror.gem).taken_off(TURN, coefficients)
-    np.testing.assert_array_equal(mirror.follow(coefficients, TURN), mirror.draw(coefficients, upright))
-    assert (mirror.follow(coefficients, TURN) != mirror.draw(coefficients, TURN)).any()
+def test_the_baseline_turns_as_far_as_the_expression_leaves() -> None:
+    gem = load_gem(AVATARS / "theo.gem")
+    features = np.zeros(DIMENSION)
+    score(features, "browInnerUp")[...] = 1.0
+    answer = by_scores(gem)(features, TURN)
+    np.testing.assert_array_equal(answer.turn, nodding_of(gem).taken_off(TURN, answer.coefficients))
+    assert answer.turn[0] > TURN[0] + np.radians(1.5)
+    mirror = Mirror(gem, 64)
+    np.testing.assert_array_equal(mirror.follow(answer), mirror.draw(answer.coefficients, answer.turn))

@@ -6,7 +6,14 @@ import numpy as np
 import onnx
 import pytest
 from gemheads.models.driver.features import DIMENSION, FEATURE_VERSION
-from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT, Regressor, RegressorError
+from gemheads.models.driver.nodding import Nodding
+from gemheads.models.driver.regressor import (
+    FEATURES_INPUT,
+    OUTPUT,
+    ROTATION_INPUT,
+    Regressor,
+    RegressorError,
+)
 from onnx import TensorProto, helper, numpy_helper
 
 COEFFICIENTS = 7
@@ -56,21 +63,26 @@ def refused(model: onnx.ModelProto, why: str, coefficients: int | None = None) -
 
 def test_it_answers_inside_three_sigma() -> None:
     regressor = Regressor(graph(version=FEATURE_VERSION).SerializeToString(), COEFFICIENTS)
-    answer = regressor(np.zeros(DIMENSION), np.array([0.1, 0.2, 0.3]))
+    answer = regressor(np.zeros(DIMENSION), np.array([0.1, 0.2, 0.3])).coefficients
     np.testing.assert_allclose(answer, np.full(COEFFICIENTS, 3 * np.tanh(0.6)), rtol=1e-6)
     assert answer.dtype == np.float32
-    assert np.abs(regressor(np.full(DIMENSION, 1e6), np.zeros(3))).max() <= 3
+    assert np.abs(regressor(np.full(DIMENSION, 1e6), np.zeros(3)).coefficients).max() <= 3
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_what_is_not_finite_gives_the_last_good_answer(bad: float) -> None:
     regressor = Regressor(graph().SerializeToString())
-    assert not regressor(np.full(DIMENSION, bad), np.zeros(3)).any()
+    first = regressor(np.full(DIMENSION, bad), np.zeros(3))
+    assert not first.coefficients.any()
+    assert not first.turn.any()
     good = regressor(np.zeros(DIMENSION), np.ones(3))
     answer = regressor(np.zeros(DIMENSION), np.full(3, bad))
-    np.testing.assert_array_equal(answer, good)
-    answer[:] = 0  # the caller's copy is its own
-    np.testing.assert_array_equal(regressor(np.full(DIMENSION, bad), np.zeros(3)), good)
+    np.testing.assert_array_equal(answer.coefficients, good.coefficients)
+    np.testing.assert_array_equal(answer.turn, np.ones(3))
+    answer.coefficients[:] = answer.turn[:] = 0  # the caller's copy is its own
+    again = regressor(np.full(DIMENSION, bad), np.zeros(3))
+    np.testing.assert_array_equal(again.coefficients, good.coefficients)
+    np.testing.assert_array_equal(again.turn, np.ones(3))
     assert regressor.failures == 3
 
 
@@ -82,6 +94,15 @@ def test_other_shapes_are_refused() -> None:
 
 def test_other_features_are_refused() -> None:
     refused(graph(version=FEATURE_VERSION + 1), "trained on features of version")
+
+
+def test_the_head_turns_as_was_read_without_what_the_expression_only_seems_to_nod() -> None:
+    features, rotation = np.zeros(DIMENSION), np.array([0.1, 0.2, 0.3])
+    plain = Regressor(graph().SerializeToString())(features, rotation)
+    np.testing.assert_allclose(plain.turn, rotation, rtol=1e-6)
+    nodding = Nodding(np.zeros(COEFFICIENTS), np.full(COEFFICIENTS, 0.01))
+    upright = Regressor(graph().SerializeToString(), nodding=nodding)(features, rotation)
+    np.testing.assert_allclose(upright.turn, [0.1 - 0.01 * plain.coefficients.sum(), 0.2, 0.3], rtol=1e-5)
 
 
 def test_a_second_output_is_refused() -> None:

@@ -44,9 +44,7 @@ def grin_of(name: str) -> np.ndarray:
 
 def answered(name: str, features: np.ndarray) -> np.ndarray:
     """The coefficients of an avatar that follows a stranger's relative features [D]."""
-    gem = mirror(name).gem
-    assert gem.regressor is not None
-    return Regressor(gem.regressor, gem.coefficient_count)(features, np.zeros(3))
+    return np.asarray(Regressor.of(mirror(name).gem)(features, np.zeros(3)).coefficients)
 
 
 def frowned(name: str, coefficients: np.ndarray) -> float:

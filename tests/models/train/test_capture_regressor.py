@@ -64,7 +64,7 @@ def test_the_loop_is_closed_for_strangers(filmed: tuple[Gem, Capture, dict[int, 
     assert learned.mismatches is not None
     assert learned.gem.regressor is not None
     answer = Regressor(learned.gem.regressor, gem.coefficient_count)(learned.neutral.features * 9, np.ones(3))
-    assert (np.abs(answer) <= 3 * gem.sigma * (1 + 1e-5)).all()
+    assert (np.abs(answer.coefficients) <= 3 * gem.sigma * (1 + 1e-5)).all()
 
 
 def test_invented_faces_are_near_what_the_person_did() -> None:

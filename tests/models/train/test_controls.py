@@ -60,9 +60,8 @@ def test_training_moves_both_eyes_as_one() -> None:
 @pytest.mark.parametrize("avatar", AVATARS, ids=lambda path: path.stem)
 def test_no_avatar_that_ships_squints(avatar: Path) -> None:
     gem = load_gem(avatar)
-    assert gem.regressor is not None
-    regressor = Regressor(gem.regressor, gem.coefficient_count)
-    answers = [regressor(features, np.zeros(3, "f4")) for features in relative_features(40, 4)]
+    regressor = Regressor.of(gem)
+    answers = [regressor(features, np.zeros(3, "f4")).coefficients for features in relative_features(40, 4)]
     weights = controls_of(gem).weights(np.stack(answers))
     for one, other in GAZES:
         left, right = NAMES.index(f"eyeLook{one}"), NAMES.index(f"eyeLook{other}")

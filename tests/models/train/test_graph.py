@@ -27,7 +27,7 @@ def test_the_exported_graph_is_the_network(rigged: bool) -> None:
     regressor = Regressor(export_onnx([network]), toy_gem().coefficient_count)
     with torch.no_grad():
         wanted = network(torch.from_numpy(features), torch.from_numpy(rotations)).numpy()
-    got = np.stack([regressor(f, r) for f, r in zip(features, rotations, strict=True)])
+    got = np.stack([regressor(f, r).coefficients for f, r in zip(features, rotations, strict=True)])
     np.testing.assert_allclose(got, wanted, atol=5e-4)
     assert np.ptp(got, axis=0).max() > 0.1
 
@@ -51,14 +51,16 @@ def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
     members[1].projection *= 0.5
     features, rotations = relative_features(20, 1) * 5, np.random.default_rng(1).normal(size=(20, 3)).astype("f4")
     regressor = Regressor(export_onnx(members), toy_gem().coefficient_count)
-    got = np.stack([regressor(f, r) for f, r in zip(features, rotations, strict=True)])
+    got = np.stack([regressor(f, r).coefficients for f, r in zip(features, rotations, strict=True)])
     with torch.no_grad():
         seen = torch.from_numpy(features), torch.from_numpy(rotations)
         weights = torch.stack([member.weights(*seen) for member in members]).mean(0)
     wanted = controls.coefficients(weights.numpy())
     np.testing.assert_allclose(got, wanted, atol=5e-4)
     alone = Regressor(export_onnx(members[:1]), toy_gem().coefficient_count)
-    assert max(np.abs(g - alone(f, r)).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
+    assert (
+        max(np.abs(g - alone(f, r).coefficients).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
+    )
 
 
 def test_networks_of_different_avatars_are_no_committee() -> None:
@@ -84,7 +86,7 @@ def test_coefficients_stay_within_three_sigma_whatever_comes_in() -> None:
     gem = toy_gem()
     regressor = Regressor(export_onnx([network_of(controls_of(gem))]), gem.coefficient_count)
     answer = regressor(np.full(DIMENSION, 1e6, "f4"), np.array([9.0, -9.0, 9.0], "f4"))
-    assert (np.abs(answer) <= 3 * gem.sigma * (1 + 1e-5)).all()
+    assert (np.abs(answer.coefficients) <= 3 * gem.sigma * (1 + 1e-5)).all()
 
 
 def test_a_graph_holds_only_operators_that_a_runtime_of_any_age_has() -> None:

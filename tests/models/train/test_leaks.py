@@ -21,7 +21,7 @@ def test_pose_leak_is_found_beside_expressions(count: int) -> None:
         weights[:] = 0
     features = weights @ rng.normal(size=(52, DIMENSION)).astype("f4") + turned(rotations) @ leak
     noisy = features + rng.normal(0, 0.02, features.shape)
-    found = pose_leak(Responses(weights, rotations, noisy.astype("f4")))
+    found = pose_leak(Responses(weights, rotations, rotations, noisy.astype("f4")))
     assert np.sqrt(((found - leak) ** 2).mean()) < 0.1
 
 
@@ -30,7 +30,7 @@ def test_what_is_the_same_to_either_side_is_a_leak_too() -> None:
     yaw = np.linspace(-0.4, 0.4, 41, dtype="f4")
     rotations = np.stack([0 * yaw, yaw, 0 * yaw], 1)
     pursed = np.repeat(yaw[:, None] ** 2, DIMENSION, 1)
-    found = pose_leak(Responses(np.zeros((41, 52), "f4"), rotations, pursed))
+    found = pose_leak(Responses(np.zeros((41, 52), "f4"), rotations, rotations, pursed))
     np.testing.assert_allclose(turned(rotations) @ found, pursed, atol=0.01)
 
 

@@ -2,19 +2,20 @@
 
 import numpy as np
 import pytest
-from gemheads.models.driver.features import DIMENSION
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 from gemheads.models.train import response, series, train_regressor  # noqa: E402
 from gemheads.models.train.response import Responses  # noqa: E402
+from pixelface import PixelTracker, painted  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 from toynetwork import relative_features  # noqa: E402
 
 
 def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.MonkeyPatch) -> None:
     def drawing(gem, controls, weights, rng, progress, rotations):
-        return Responses(weights, rng.normal(size=(len(weights), 3)), relative_features(len(weights)))
+        rotations = rng.normal(size=(len(weights), 3))
+        return Responses(weights, rotations, rotations, relative_features(len(weights)))
 
     monkeypatch.setattr(series, "measure_responses", drawing)
     few, more = (train_regressor.pictures_of(toy_gem(), count, 3) for count in (series.LENGTH, 1300))
@@ -25,12 +26,14 @@ def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.Monk
 
 
 def test_some_pictures_show_a_face_at_rest_that_turns_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = PixelTracker().track(painted())
+
     class Studio:
         def __init__(self, gem: object, sitting: object) -> None:
             pass
 
         def read(self, coefficients, rotation, rng, still=False):
-            return np.zeros(DIMENSION, "f4")
+            return seen
 
     monkeypatch.setattr(response, "_Studio", Studio)
     drawn = train_regressor.pictures_of(toy_gem(), 4000, 3)

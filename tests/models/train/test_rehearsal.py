@@ -33,7 +33,7 @@ def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> 
     drawn: list[Responses] = []
 
     def drawing(gem, controls, weights, rng, progress, rotations):
-        drawn.append(Responses(weights, rotations, features))
+        drawn.append(Responses(weights, rotations, rotations, features))
         return drawn[-1]
 
     monkeypatch.setattr(series, "measure_responses", drawing)

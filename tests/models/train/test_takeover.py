@@ -28,7 +28,7 @@ def test_an_avatar_that_takes_over_shows_the_same_arkit_weights() -> None:
     with torch.no_grad():
         answers = [member.weights(torch.from_numpy(features), torch.from_numpy(still)).numpy() for member in members]
     wanted = controls_of(anew).coefficients(np.mean(answers, 0))
-    got = np.stack([regressor(one, np.zeros(3)) for one in features])
+    got = np.stack([regressor(one, np.zeros(3)).coefficients for one in features])
     np.testing.assert_allclose(got, wanted, atol=1e-3)
     assert np.ptp(got, axis=0).max() > 0.1
 
