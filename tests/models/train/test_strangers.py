@@ -82,6 +82,19 @@ def test_the_leak_of_who_is_seen_is_exchanged_for_that_of_others() -> None:
     assert np.abs(own.features - still.features).max() > 1
 
 
+def test_people_turn_as_they_are_read_and_leak_as_they_turn() -> None:
+    """A smile is read as a head that looks up; what its turn adds to features is that of the true one."""
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    person = linear_person(shapes, leak)
+    nodding = replace(person, seen=replace(person.seen, seen_rotations=person.seen.rotations + np.float32(0.07)))
+    others, nobody = Leaks(rng.normal(size=(3, TERMS, DIMENSION)).astype("f4")), np.empty((0, DIMENSION + 3), "f4")
+    plain, read = (crowd([one], others, nobody, 200, np.random.default_rng(3)) for one in (person, nodding))
+    np.testing.assert_allclose(read.rotations - plain.rotations, 0.07, atol=1e-6)
+    np.testing.assert_array_equal(read.features, plain.features)
+    np.testing.assert_array_equal(read.wanted, plain.wanted)
+
+
 def test_faces_at_rest_turn_as_more_differing_heads_than_those_that_act() -> None:
     rng = np.random.default_rng(0)
     shapes = rng.normal(size=(len(NAMES), DIMENSION)).astype("f4")
