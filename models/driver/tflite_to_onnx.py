@@ -326,7 +326,8 @@ class _Conversion:
         weights, bias = (self.constants[tensor] for tensor in narrow[1:])
         wired = all(one[0] == before for one, before in zip((slope, depthwise, wide), outputs, strict=False))
         alone = all(self.uses[tensor] == 1 for tensor in outputs[:3])
-        if not wired or not alone or len(weights) > _HALF_A_BLOCK or weights.shape[1:3] != (1, 1):
+        plain = all(_is_pointwise(operations[place], self.constants[ends[place][0][1]]) for place in (0, 3))
+        if not wired or not alone or not plain or len(weights) > _HALF_A_BLOCK:
             return False
         steps = self.constants[slope[1]].reshape(-1).astype(np.float32)
         signs = np.repeat(np.array([1, -1], np.float32), len(steps))
@@ -337,6 +338,8 @@ class _Conversion:
         )
         kernel, offset = (self.constants[tensor] for tensor in depthwise[1:])
         options = _options(operations[2], tflite.DepthwiseConv2DOptions)
+        if options.FusedActivationFunction() != tflite.ActivationFunctionType.NONE:
+            raise NotImplementedError("a depthwise convolution with an activation between a narrow and a wide one")
         value = self.conv(
             self.node("Relu", [value]),
             np.tile(kernel, 2).transpose(3, 0, 1, 2),
@@ -406,6 +409,13 @@ class _Conversion:
 def _ends(operation: Any) -> tuple[list[int], int]:
     """The tensors that go into an operation, and the one that comes out."""
     return [int(i) for i in operation.InputsAsNumpy()], int(operation.OutputsAsNumpy()[0])
+
+
+def _is_pointwise(operation: Any, weights: Array) -> bool:
+    """Whether a convolution is 1x1, of every place, and nothing follows in it."""
+    options = _options(operation, tflite.Conv2DOptions)
+    once = (options.StrideH(), options.StrideW()) == (1, 1) and weights.shape[1:3] == (1, 1)
+    return once and options.FusedActivationFunction() == tflite.ActivationFunctionType.NONE
 
 
 def _options(operation: Any, kind: Any) -> Any:

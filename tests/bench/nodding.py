@@ -3,11 +3,12 @@
     python tests/bench/nodding.py [AVATAR.gem ...]
 
 The first table is where models/driver/nodding.py has its figures from: random faces of each avatar, its head still,
-ridge regression of the pitch that is read on their ARKit weights. In the second each avatar plays the driver of all,
-with random faces and turns that are known.
+ridge regression of the pitch that is read on their ARKit weights. In the second each avatar plays the driver of the
+others, with random faces and turns that are known.
 """
 
 import argparse
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -60,12 +61,10 @@ def read_off(mirrors: dict[str, Mirror], faces: int) -> None:
 def driven(mirrors: dict[str, Mirror], faces: int) -> None:
     """Standard deviation of the error of the pitch, degrees."""
     print("\n| driver | avatar | as it is read | without what seems to nod |\n|---|---|---|---|")
-    for driver in mirrors:
-        acted = shown(mirrors[driver], faces, 9, TURNS)
-        for avatar, mirror in mirrors.items():
-            express = Regressor.of(mirror.gem)
-            errors = [(turn[0] - turned[0], express(read, turn).turn[0] - turned[0]) for _, turned, turn, read in acted]
-            print(f"| {driver} | {avatar} | {' | '.join(f'{one:.2f}' for one in np.degrees(np.std(errors, axis=0)))} |")
+    for driver, avatar in permutations(mirrors, 2):
+        express, acted = Regressor.of(mirrors[avatar].gem), shown(mirrors[driver], faces, 9, TURNS)
+        errors = [(turn[0] - turned[0], express(read, turn).turn[0] - turned[0]) for _, turned, turn, read in acted]
+        print(f"| {driver} | {avatar} | {' | '.join(f'{one:.2f}' for one in np.degrees(np.std(errors, axis=0)))} |")
 
 
 def shown(mirror: Mirror, faces: int, seed: int, spread: np.ndarray) -> list[tuple[np.ndarray, ...]]:
