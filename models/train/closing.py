@@ -7,6 +7,7 @@ import torch
 from torch import Tensor, nn
 
 from .network import RegressorNetwork
+from .response import HUBER
 from .strangers import Crowd, Person
 from .threads import one_torch_thread
 
@@ -24,8 +25,6 @@ EXCESS = 20.0
 """Price of a weight beyond its bounds."""
 LABELS = 1.0
 """Price of missing the known weights on the avatar's own pictures."""
-HUBER = 3.0
-"""Beyond so many tolerances a mismatch grows linearly only: the avatar may be unable to do what the person does."""
 
 
 class ClosedLoop:

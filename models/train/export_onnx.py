@@ -10,8 +10,9 @@ from onnx import TensorProto, helper, numpy_helper
 
 from ..driver.features import DIMENSION, FEATURE_VERSION, SCORES
 from ..driver.regressor import VERSION_KEY
-from .leaks import FACTORS, TYPICAL
+from .leaks import FACTORS
 from .network import FACING, KAPPA_LIMIT, TURN_LIMIT, RegressorNetwork
+from .response import TYPICAL
 
 OPSET = 17
 INPUTS = ("relative_features", "head_rotation")

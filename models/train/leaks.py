@@ -9,11 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .response import Responses
+from .response import TYPICAL, Responses
 
 Floats = NDArray[np.float32]
-TYPICAL = 0.2
-"""Radians: squares of rotations in this unit are about as large as rotations."""
 _FIRST, _SECOND = np.triu_indices(3)
 FACTORS = np.eye(3, dtype=np.float32)[:, _FIRST], np.eye(3, dtype=np.float32)[:, _SECOND]
 """Both [3, 6]: rotations times the one, times rotations times the other, are their squares and products."""

@@ -7,8 +7,9 @@ from torch import Tensor, nn
 
 from ..driver.features import DIMENSION, SCORES
 from .controls import UNBOUNDED, Controls
-from .leaks import FACTORS, TERMS, TYPICAL
+from .leaks import FACTORS, TERMS
 from .reduction import Reduction
+from .response import TYPICAL
 
 HIDDEN = 256
 KAPPA_LIMIT = 4.0

@@ -31,6 +31,13 @@ POSE_SPREAD = np.radians([9.0, 13.0, 6.0])
 """Standard deviations of pitch, yaw and roll of the training pictures, radians."""
 RESTING_SPREAD = 1.3
 """So much further turn heads whose face is at rest."""
+TYPICAL = 0.2
+"""Radians: rotations in this unit are about as large as weights, and their squares as they are."""
+HIDDEN = 256
+"""Width of F's three bent layers: two of 384 knew less of the faces that people make an avatar pull."""
+HUBER = 3.0
+"""Beyond so many tolerances a miss of F, or of the avatar, grows linearly only: squares would have F learn the few
+pictures in which a whole face is read otherwise, and the avatar may be unable to do what a person does."""
 
 
 class AvatarNotSeen(RuntimeError):
@@ -176,11 +183,17 @@ class ResponseModel(nn.Module):
         super().__init__()
         self.linear = nn.Linear(controls + 3, channels)
         self.bend = nn.Sequential(
-            nn.Linear(controls + 3, 384), nn.SiLU(), nn.Linear(384, 384), nn.SiLU(), nn.Linear(384, channels)
+            nn.Linear(controls + 3, HIDDEN),
+            nn.SiLU(),
+            nn.Linear(HIDDEN, HIDDEN),
+            nn.SiLU(),
+            nn.Linear(HIDDEN, HIDDEN),
+            nn.SiLU(),
+            nn.Linear(HIDDEN, channels),
         )
 
     def forward(self, weights: Tensor, rotation: Tensor) -> Tensor:
-        inputs = torch.cat([weights, rotation], 1)
+        inputs = torch.cat([weights, rotation / TYPICAL], 1)
         return self.linear(inputs) + self.bend(inputs)
 
 
@@ -197,7 +210,7 @@ def fit_response(inputs: tuple[Tensor, Tensor], channels: Tensor, steps: int, se
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
     for _ in range(steps):
         batch = used[torch.randint(len(used), (256,))]
-        loss = nn.functional.mse_loss(model(weights[batch], rotations[batch]), channels[batch])
+        loss = nn.functional.huber_loss(model(weights[batch], rotations[batch]), channels[batch], delta=HUBER)
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()

@@ -2,7 +2,8 @@
 
 F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
-Twice, a g acts before the tracker, and F is learned again with these pictures, too; a committee of new ones ships.
+Three times, a g acts before the tracker, and F is learned again with these pictures, too; a committee of new ones
+ships.
 """
 
 from collections.abc import Callable, Sequence
@@ -36,11 +37,12 @@ CROWD = 120_000
 by heart: with 40,000 more steps followed the avatars better and people worse."""
 JUDGING = 2000
 """The same held out of training."""
-REHEARSALS = 2
-"""So often a regressor acts before the tracker; the second finds out where the first made the response wrong. The first
+REHEARSALS = 3
+"""So often a regressor acts before the tracker; each finds out where those before made the response wrong. The first
 is the one that the avatar has, if it has one: it was taught well already."""
-REHEARSED = 0.4
-"""Pictures that it acts in, against the random ones."""
+REHEARSED = 1.0
+"""Pictures that it acts in each time, against the random ones. What the response does not know of the faces that
+strangers ask for costs the avatar as much likeness as all that its regressor misses."""
 FEWEST_OF_STRANGERS = 200
 """Pictures of each companion, however few there are of the avatar."""
 RESTING = 0.12

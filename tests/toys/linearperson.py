@@ -8,7 +8,7 @@ torch = pytest.importorskip("torch", reason="training needs the extra gemheads[t
 
 from gemheads.models.train.channels import channel_indices  # noqa: E402
 from gemheads.models.train.expressions import random_weights  # noqa: E402
-from gemheads.models.train.response import ResponseModel, Responses  # noqa: E402
+from gemheads.models.train.response import TYPICAL, ResponseModel, Responses  # noqa: E402
 from gemheads.models.train.strangers import Person, in_tolerances  # noqa: E402
 
 
@@ -22,7 +22,8 @@ def linear_person(shapes: np.ndarray, leak: np.ndarray, count: int = 1500, seed:
     with torch.no_grad():
         last.weight.zero_()
         last.bias.zero_()
-        response.linear.weight.copy_(torch.from_numpy(in_tolerances(np.concatenate([shapes, leak])).T))
+        seen = np.concatenate([shapes, leak * TYPICAL])  # it reads rotations in that unit
+        response.linear.weight.copy_(torch.from_numpy(in_tolerances(seen.astype("f4")).T))
         response.linear.bias.zero_()
     response.requires_grad_(False)
     features = (weights @ shapes + rotations @ leak).astype("f4")

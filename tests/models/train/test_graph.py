@@ -14,8 +14,9 @@ from gemheads.models.train.controls import (  # noqa: E402
     controls_of,
 )
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
-from gemheads.models.train.leaks import TYPICAL, turned  # noqa: E402
+from gemheads.models.train.leaks import turned  # noqa: E402
 from gemheads.models.train.network import FACING, TURN_LIMIT  # noqa: E402
+from gemheads.models.train.response import TYPICAL  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 from toynetwork import network_of, relative_features  # noqa: E402
 
