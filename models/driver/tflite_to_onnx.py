@@ -16,6 +16,9 @@ import tflite
 from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
 
+from .tflite_operation import ends, options_of
+from .tflite_patterns import BOTTLENECK, LAYER_NORM, bottleneck, layer_norm
+
 Layout = Literal["nchw", "source", "turned"]
 """turned: [1, 1, n, c] held as [1, 1, c, n], so that a transposition of tokens moves nothing."""
 Array = NDArray[Any]
@@ -39,12 +42,6 @@ _BINARY = {
     "DIV": ("Div", tflite.DivOptions),
 }
 _UNARY = {"RELU": "Relu", "LOGISTIC": "Sigmoid", "NEG": "Neg", "SQRT": "Sqrt"}
-_BOTTLENECK = ("CONV_2D", "PRELU", "DEPTHWISE_CONV_2D", "CONV_2D")
-_HALF_A_BLOCK = 8
-"""onnxruntime keeps channels in blocks of 16 where processors have vectors of 512 bits: twice as many as so few cost
-nothing."""
-_LAYER_NORM = ("MEAN", "NEG", "SQUARED_DIFFERENCE", "MEAN", "ADD", "RSQRT", "MUL", "MUL", "MUL", "ADD")
-"""How TFLite spells x / sqrt(variance + epsilon) * gain, less the mean times the same."""
 
 
 def convert(source: bytes, name: str, outputs: Sequence[str], extra_tensors: Sequence[int] = ()) -> onnx.ModelProto:
@@ -54,10 +51,12 @@ def convert(source: bytes, name: str, outputs: Sequence[str], extra_tensors: Seq
     made outputs too. Outputs of rank 4 are flattened to [1, n].
     Raises NotImplementedError naming an operation that none of the face networks has.
     """
-    return _Conversion(source).run(name, outputs, extra_tensors)
+    return Conversion(source).run(name, outputs, extra_tensors)
 
 
-class _Conversion:
+class Conversion:
+    """Of one file: what of its graph is done."""
+
     def __init__(self, source: bytes) -> None:
         self.model = tflite.Model.GetRootAsModel(source, 0)
         self.graph: Any = self.model.Subgraphs(0)
@@ -88,10 +87,10 @@ class _Conversion:
         inputs = [helper.make_tensor_value_info("input", TensorProto.FLOAT, self.shape(source_input))]
         operations = self.dequantized([self.graph.Operators(i) for i in range(self.graph.OperatorsLength())])
         while operations:
-            if self.layer_norm(operations[: len(_LAYER_NORM)]):
-                del operations[: len(_LAYER_NORM)]
-            elif self.bottleneck(operations[: len(_BOTTLENECK)]):
-                del operations[: len(_BOTTLENECK)]
+            if layer_norm(self, operations[: len(LAYER_NORM)]):
+                del operations[: len(LAYER_NORM)]
+            elif bottleneck(self, operations[: len(BOTTLENECK)]):
+                del operations[: len(BOTTLENECK)]
             else:
                 self.add_operation(operations.pop(0))
         infos: list[onnx.ValueInfoProto] = []
@@ -177,7 +176,7 @@ class _Conversion:
         """Those that do not only widen weights, after these have been done."""
         left: list[Any] = []
         for operation in operations:
-            inputs, output = _ends(operation)
+            inputs, output = ends(operation)
             if self.name_of(operation) == "DEQUANTIZE":
                 self.constants[output] = self.constants[inputs[0]].astype(np.float32)
             else:
@@ -186,10 +185,10 @@ class _Conversion:
 
     def add_operation(self, operation: Any) -> None:
         name = self.name_of(operation)
-        inputs, output = _ends(operation)
+        inputs, output = ends(operation)
 
         def options(kind: Any) -> Any:
-            return _options(operation, kind)
+            return options_of(operation, kind)
 
         if name in ("CONV_2D", "DEPTHWISE_CONV_2D"):
             depthwise = name == "DEPTHWISE_CONV_2D"
@@ -296,63 +295,6 @@ class _Conversion:
         value = self.node("Add", [self.node("MatMul", factors), self.weight(bias)])
         return self.activated(value, options.FusedActivationFunction()), layout
 
-    def layer_norm(self, operations: Sequence[Any]) -> bool:
-        """Adds one LayerNormalization for ``operations`` where they are one; False, and nothing is added, where not."""
-        if tuple(self.name_of(operation) for operation in operations) != _LAYER_NORM:
-            return False
-        inputs, outputs = zip(*(_ends(operation) for operation in operations), strict=True)
-        (value, axes), epsilon, gain = inputs[0], inputs[4][1], inputs[6][1]
-        mean, minus, squares, variance, padded, root, scaled, larger, offset, _ = outputs
-        wired = ([value, axes], [mean], [value, mean], [squares, axes], [variance, epsilon], [padded], [root, gain],
-                 [value, scaled], [minus, scaled], [larger, offset])  # fmt: skip
-        if inputs != wired or (self.constants[axes] % len(self.shape(value))).tolist() != [len(self.shape(value)) - 1]:
-            return False
-        arguments = self.weight_after(value, "source", self.constants[gain])
-        spare = float(self.constants[epsilon].item())
-        self.values[outputs[-1]] = (self.node("LayerNormalization", arguments, axis=-1, epsilon=spare), "source")
-        return True
-
-    def bottleneck(self, operations: Sequence[Any]) -> bool:
-        """Adds three convolutions for a narrow one, PReLU, a depthwise and a wide one; False, and nothing is added,
-        where ``operations`` are not these.
-
-        The narrow one gives Relu(x) and Relu(-x), of which PReLU is the first less a times the second; the depthwise
-        one treats both alike, and the wide one adds them up. Three passes over the picture less.
-        """
-        if tuple(self.name_of(operation) for operation in operations) != _BOTTLENECK:
-            return False
-        ends = [_ends(operation) for operation in operations]
-        (narrow, slope, depthwise, wide), outputs = (list(part) for part in zip(*ends, strict=True))
-        weights, bias = (self.constants[tensor] for tensor in narrow[1:])
-        wired = all(one[0] == before for one, before in zip((slope, depthwise, wide), outputs, strict=False))
-        alone = all(self.uses[tensor] == 1 for tensor in outputs[:3])
-        plain = all(_is_pointwise(operations[place], self.constants[ends[place][0][1]]) for place in (0, 3))
-        if not wired or not alone or not plain or len(weights) > _HALF_A_BLOCK:
-            return False
-        steps = self.constants[slope[1]].reshape(-1).astype(np.float32)
-        signs = np.repeat(np.array([1, -1], np.float32), len(steps))
-        value = self.conv(
-            self.get(narrow[0], "nchw"),
-            np.concatenate([weights, -weights]).transpose(0, 3, 1, 2),
-            signs * np.tile(bias, 2),
-        )
-        kernel, offset = (self.constants[tensor] for tensor in depthwise[1:])
-        options = _options(operations[2], tflite.DepthwiseConv2DOptions)
-        if options.FusedActivationFunction() != tflite.ActivationFunctionType.NONE:
-            raise NotImplementedError("a depthwise convolution with an activation between a narrow and a wide one")
-        value = self.conv(
-            self.node("Relu", [value]),
-            np.tile(kernel, 2).transpose(3, 0, 1, 2),
-            np.concatenate([offset, 0 * offset]),
-            strides=[options.StrideH(), options.StrideW()],
-            pads=self.padding(options.Padding(), self.shape(depthwise[0])[1:3], kernel.shape[1:3], options),
-            group=2 * len(steps),
-        )
-        last, end = (self.constants[tensor] for tensor in wide[1:])
-        both = np.concatenate([last, -steps * last], 3)
-        self.values[outputs[3]] = (self.conv(value, both.transpose(0, 3, 1, 2), end), "nchw")
-        return True
-
     def conv(self, value: str, oihw: Array, bias: Array, **attributes: Any) -> str:
         """A convolution of stride 1 without padding, unless ``attributes`` say otherwise."""
         arguments = [value, self.weight(np.ascontiguousarray(oihw, np.float32)), self.weight(bias.astype(np.float32))]
@@ -404,22 +346,3 @@ class _Conversion:
         arguments += [self.weight(a) for a in (begin, end, np.arange(len(begin), dtype=np.int64), stride)]
         sliced = self.node("Slice", arguments)
         return self.node("Reshape", [sliced, self.weight(np.array(self.shape(output), np.int64))])
-
-
-def _ends(operation: Any) -> tuple[list[int], int]:
-    """The tensors that go into an operation, and the one that comes out."""
-    return [int(i) for i in operation.InputsAsNumpy()], int(operation.OutputsAsNumpy()[0])
-
-
-def _is_pointwise(operation: Any, weights: Array) -> bool:
-    """Whether a convolution is 1x1, of every place, and nothing follows in it."""
-    options = _options(operation, tflite.Conv2DOptions)
-    once = (options.StrideH(), options.StrideW()) == (1, 1) and weights.shape[1:3] == (1, 1)
-    return once and options.FusedActivationFunction() == tflite.ActivationFunctionType.NONE
-
-
-def _options(operation: Any, kind: Any) -> Any:
-    """An operation's options, which are of this kind."""
-    read = kind()
-    read.Init(operation.BuiltinOptions().Bytes, operation.BuiltinOptions().Pos)
-    return read

@@ -34,7 +34,7 @@ RESTING_SPREAD = 1.3
 TYPICAL = 0.2
 """Radians: rotations in this unit are about as large as weights, and their squares as they are."""
 HIDDEN = 256
-"""Width of F's three bent layers: two of 384 knew less of the faces that people make an avatar pull."""
+"""Width of F's three bent layers."""
 HUBER = 3.0
 """Beyond so many tolerances a miss of F, or of the avatar, grows linearly only: squares would have F learn the few
 pictures in which a whole face is read otherwise, and the avatar may be unable to do what a person does."""

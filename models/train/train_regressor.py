@@ -41,8 +41,7 @@ REHEARSALS = 3
 """So often a regressor acts before the tracker; each finds out where those before made the response wrong. The first
 is the one that the avatar has, if it has one: it was taught well already."""
 REHEARSED = 1.0
-"""Pictures that it acts in each time, against the random ones. What the response does not know of the faces that
-strangers ask for costs the avatar as much likeness as all that its regressor misses."""
+"""Pictures that it acts in each time, against the random ones, which say little of the faces that strangers ask for."""
 FEWEST_OF_STRANGERS = 200
 """Pictures of each companion, however few there are of the avatar."""
 RESTING = 0.12
