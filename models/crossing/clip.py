@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..driver.face import FaceObservation, FaceTracker
 from ..driver.neutral import NeutralChoice, choose_neutral, other_neutrals
 from .album import Album, bound, face_square, packed
-from .reading import Array, Image, Reading, Readings, read, stacked
+from .reading import LOOKS_APART, Array, Image, Reading, Readings, looked, read, stacked
 
 MOST_FRAMES = 3000
 """Of a clip: 40 MB of readings and pictures."""
@@ -41,6 +41,8 @@ class Clip:
     """[F] faces."""
     lost: int
     """Frames without a face."""
+    looks: int
+    """At each frame."""
 
 
 def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float) -> Clip:
@@ -54,7 +56,7 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
     Raises:
         UnseenDriver: where fewer than FEWEST_FRAMES show a face.
     """
-    tracker = FaceTracker()
+    tracker, looks = FaceTracker(), 1 if every == 1 else LOOKS_APART
     faces: list[FaceObservation] = []
     times: list[float] = []
     pictures: list[NDArray[np.uint8]] = []
@@ -66,7 +68,7 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         first = now if first is None else first
         if now - first > seconds or len(faces) == MOST_FRAMES:
             break
-        face = tracker.track(picture)
+        face = looked(tracker, picture, looks)
         if face is None:
             lost += 1
             continue
@@ -86,6 +88,7 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         others=np.array([other.index for other in other_neutrals(faces, times, OTHERS)], np.int64),
         pictures=bound(pictures),
         lost=lost,
+        looks=looks,
     )
 
 

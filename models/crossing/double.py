@@ -14,7 +14,7 @@ from ..driver.face import FaceTracker
 from .channels import CHANNELS, correlations, table
 from .clip import Clip
 from .compare import FEWEST_SEEN
-from .reading import Array, Image, Reading, Readings, read, stacked
+from .reading import Array, Image, Reading, Readings, looked, read, stacked
 
 SWAPPED = ("gaze horizontal", "yaw", "roll", "iris horizontal")
 """Channels that change their sign in a mirror."""
@@ -42,7 +42,7 @@ def mirrored(clip: Clip, frames: Iterable[tuple[Image, float]]) -> Double:
             break
         if now < clip.times[place]:
             continue
-        face = tracker.track(np.ascontiguousarray(picture[:, ::-1]))
+        face = looked(tracker, np.ascontiguousarray(picture[:, ::-1]), clip.looks)
         if face is not None:
             seen[place] = True
             readings.append(read(face))

@@ -55,7 +55,7 @@ def echo(
     for i in range(len(clip.readings)):
         answer = answered(express, clip.readings[i], clip.neutral)
         picture = mirror.follow(answer, components)
-        reading = mirror.read(picture)
+        reading = mirror.read(picture, clip.looks)
         seen.append(reading is not None)
         if reading is not None:
             readings.append(reading)

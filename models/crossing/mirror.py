@@ -10,7 +10,7 @@ from ..driver.answer import Answer
 from ..driver.face import FaceTracker
 from ..gem import Gem
 from ..posing import pose_head
-from .reading import Image, Reading, read
+from .reading import Image, Reading, looked, read
 
 LOOKS = 4
 """At a still picture, until the tracker's region has settled."""
@@ -50,18 +50,16 @@ class Mirror:
         """The picture of the avatar that does what was read on a driver."""
         return self.draw(answer.coefficients, answer.turn, components)
 
-    def read(self, picture: Image) -> Reading | None:
-        """What the tracker reads; None when it sees no face."""
-        face = self._tracker.track(picture)
+    def read(self, picture: Image, looks: int = 1) -> Reading | None:
+        """What the tracker reads after so many looks; None when it sees no face."""
+        face = looked(self._tracker, picture, looks)
         return None if face is None else read(face)
 
     def neutral(self, components: int | None = None) -> Reading:
         """The avatar at rest, looking straight ahead. Raises UnseenAvatar when the tracker does not see it."""
         picture = self.draw(self.gem.rest_coefficients, np.zeros(3), components)
         self.restart()
-        reading = None
-        for _ in range(LOOKS):
-            reading = self.read(picture)
+        reading = self.read(picture, LOOKS)
         if reading is None:
             raise UnseenAvatar(f"the tracker sees no face in the neutral picture of avatar {self.gem.name!r}")
         return reading

@@ -14,7 +14,7 @@ from .compare import FEWEST_SEEN, likeness
 from .extent import Extent, extent
 from .loop import answered
 from .mirror import Mirror
-from .reading import Array, Reading, stacked
+from .reading import LOOKS_APART, Array, Reading, stacked
 
 FRAMES = 24
 """Of a clip, evenly spread, under each neutral."""
@@ -46,7 +46,7 @@ def sway(clip: Clip, express: Express, mirror: Mirror, progress: Callable[[], No
         for place in places:
             answer = answered(express, clip.readings[int(place)], neutral)
             answers.append(answer.coefficients)
-            reading = mirror.read(mirror.follow(answer))
+            reading = mirror.read(mirror.follow(answer), LOOKS_APART)
             if reading is not None:
                 shown.append(reading)
                 seen.append(int(place))

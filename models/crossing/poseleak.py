@@ -10,7 +10,7 @@ from ..gem import Gem
 from .extent import Extent, extent
 from .loop import answered
 from .mirror import LOOKS, Mirror, UnseenAvatar
-from .reading import Array, Reading, Readings, stacked
+from .reading import LOOKS_APART, Array, Reading, Readings, stacked
 
 YAW_DEG, PITCH_DEG = 20.0, 15.0
 """How far to either side, and up and down."""
@@ -64,9 +64,7 @@ def turn(mirror: Mirror) -> Turned:
     angles: list[NDArray[np.float64]] = []
     for yaw, pitch in path():
         picture = mirror.draw(mirror.gem.rest_coefficients, np.radians([pitch, yaw, 0.0]))
-        reading = None
-        for _ in range(LOOKS if not readings else 2):  # the second look is at the region that the first one found
-            reading = mirror.read(picture)
+        reading = mirror.read(picture, LOOKS_APART if readings else LOOKS)
         if reading is not None:
             readings.append(reading)
             angles.append(np.array([yaw, pitch]))

@@ -7,11 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..driver import points
-from ..driver.face import FaceObservation
+from ..driver.face import FaceObservation, FaceTracker
 from ..driver.features import feature_vector, head_rotation
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
+LOOKS_APART = 2
+"""At a picture that does not follow the one before at once. The tracker cuts a face out where it was last; where only
+each fourth frame is read it is not there any more, brows are read off first, and what is read agrees less than what
+people see."""
 LANDMARKS = ("lip gap", "mouth width", "lid gap", "brow height", "iris horizontal", "iris vertical")
 """Plain distances: a second opinion that goes neither through the scores nor through the metric mesh that drives."""
 
@@ -52,6 +56,14 @@ class Readings:
     def only(self, chosen: NDArray[np.integer] | NDArray[np.bool_]) -> "Readings":
         """Those of some pictures, by their places or by a mask."""
         return Readings(self.features[chosen], self.rotations[chosen], self.landmarks[chosen], self.embeddings[chosen])
+
+
+def looked(tracker: FaceTracker, picture: Image, looks: int) -> FaceObservation | None:
+    """What a tracker sees after so many looks at a picture; None when there is no face."""
+    face = tracker.track(picture)
+    for _ in range(looks - 1):
+        face = None if face is None else tracker.track(picture)
+    return face
 
 
 def read(face: FaceObservation) -> Reading:

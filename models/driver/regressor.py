@@ -12,6 +12,11 @@ from .onnx_guard import check_graph
 
 FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "relative_features", "head_rotation", "coefficients"
 """The graph's inputs [1, D] and [1, 3] and its output [1, coefficients], all float32."""
+TURN_OUTPUT = "head_turn"
+"""A second output [1, 3], radians, which a graph may have: by how much the avatar's head turns, so that it is read as
+the driver's is. An expression seems to nod, and not all heads that nod alike are read alike."""
+MOST_OFF = 0.35
+"""Radians; a head turns no further than this from what was read on the driver, whatever its graph says."""
 VERSION_KEY = "feature_version"
 """Key of the graph's metadata under which training writes FEATURE_VERSION."""
 MAX_BYTES = 32 * 2**20
@@ -31,7 +36,7 @@ class Regressor:
         The graph is looked through before any of it runs: its size, its operators (arithmetic only), no data outside,
         only rows of bounded width, and the names, types and shapes of its inputs and its output, which must have
         ``coefficients`` values where given; then it is run once. The clamp to +-3 sigma is part of the graph.
-        ``nodding`` is taken off the head's rotation.
+        ``nodding`` is taken off the head's rotation where the graph does not say how the head turns.
 
         Raises:
             RegressorError: saying what is wrong with it.
@@ -59,8 +64,13 @@ class Regressor:
         outputs = {o.name: (o.shape, o.type) for o in self._session.get_outputs()}
         shape, kind = outputs.get(OUTPUT, ([], ""))
         fixed = len(shape) == 2 and shape[0] == 1 and isinstance(shape[1], int) and shape[1] > 0
-        if len(outputs) != 1 or kind != "tensor(float)" or not fixed:
-            raise RegressorError(f"the avatar's regressor gives {_briefly(outputs)} instead of one {OUTPUT} [1, n]")
+        self._turns = TURN_OUTPUT in outputs
+        others = {name: value for name, value in outputs.items() if name != OUTPUT}
+        if kind != "tensor(float)" or not fixed or others not in ({}, {TURN_OUTPUT: ([1, 3], "tensor(float)")}):
+            raise RegressorError(
+                f"the avatar's regressor gives {_briefly(outputs)} instead of one {OUTPUT} [1, n], and perhaps"
+                f" {TURN_OUTPUT} [1, 3]"
+            )
         self._nodding = nodding
         if coefficients is not None and shape[1] != coefficients:
             raise RegressorError(f"the avatar has {coefficients} coefficients, its regressor gives {shape[1]}")
@@ -101,13 +111,19 @@ class Regressor:
         if not all(np.isfinite(value).all() for value in values.values()):  # a clamp in the graph may hide a NaN
             return None
         try:
-            coefficients = np.asarray(self._session.run([OUTPUT], values)[0], np.float32).reshape(-1)
+            answers = self._session.run([OUTPUT, TURN_OUTPUT] if self._turns else [OUTPUT], values)
         except Exception:  # a bound above the other; onnxruntime raises a dozen unrelated classes
             return None
+        coefficients, *turns = (np.asarray(answer, np.float32).reshape(-1) for answer in answers)
         if coefficients.shape != (self.coefficients,) or not np.isfinite(coefficients).all():
             return None
-        turn = values[ROTATION_INPUT].reshape(3)
-        return Answer(coefficients, turn if self._nodding is None else self._nodding.taken_off(turn, coefficients))
+        rotation = values[ROTATION_INPUT].reshape(3)
+        if turns:
+            if turns[0].shape != (3,) or not np.isfinite(turns[0]).all():
+                return None
+            return Answer(coefficients, rotation + np.clip(turns[0] - rotation, -MOST_OFF, MOST_OFF))
+        turn = rotation if self._nodding is None else self._nodding.taken_off(rotation, coefficients)
+        return Answer(coefficients, turn)
 
 
 def _briefly(values: object) -> str:

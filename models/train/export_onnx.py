@@ -1,38 +1,40 @@
 """Writes RegressorNetworks as one self-contained ONNX graph, by hand: the same bytes from the same weights."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import onnx
 from numpy.typing import NDArray
-from onnx import TensorProto, helper, numpy_helper
+from onnx import TensorProto, helper
 
 from ..driver.features import DIMENSION, FEATURE_VERSION, SCORES
 from ..driver.regressor import VERSION_KEY
 from .leaks import FACTORS
 from .network import FACING, KAPPA_LIMIT, TURN_LIMIT, RegressorNetwork
+from .onnx_graph import Graph
+from .pose_response import MOST, TIMES, UNIT, PoseResponse
 from .response import TYPICAL
 
 OPSET = 17
 INPUTS = ("relative_features", "head_rotation")
-OUTPUT = "coefficients"
+OUTPUT, TURN_OUTPUT = "coefficients", "head_turn"
 ENDS = (("lower", -1), ("upper", 1))
 """Of a range, and on which side of zero."""
 SHARED = ("lower", "upper", "rest", "to_coefficients", "limit", "straight", "least")
 """Buffers that are the avatar's: the same in all its networks."""
 
 
-def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
+def export_onnx(members: Sequence[RegressorNetwork], pose: PoseResponse | None = None) -> bytes:
     """The graph: float32 ``relative_features`` [1, D] and ``head_rotation`` [1, 3] (radians) in, ``coefficients``
-    [1, coefficients] out, already inside +-3 sigma. Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Tanh Mul
-    Add Div.
+    [1, coefficients] out, already inside +-3 sigma, and ``head_turn`` [1, 3] (radians) where ``pose`` is given.
+    Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Sigmoid Tanh Mul Add Div.
 
     Args:
         members: networks for the same avatar; the mean of the control weights that they answer counts. What they
             learned is kept in float16.
+        pose: how the turn of the avatar's head is read; None: its head turns as what is read on the driver.
     """
-    graph = _Graph()
+    graph = Graph()
     features, rotation = INPUTS
     shared = {name: getattr(members[0], name).cpu().numpy() for name in SHARED}
     heeded = graph.node("Max", features, graph.constant("least", shared["least"]))
@@ -49,6 +51,10 @@ def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     limit = graph.constant("limit", shared["limit"])
     squashed = _squashed(graph, graph.node("Div", free, limit), shared["straight"])
     graph.nodes.append(helper.make_node("Mul", [squashed, limit], [OUTPUT], name=OUTPUT))
+    outputs = {OUTPUT: len(shared["rest"])}
+    if pose is not None:
+        _drawn_turn(graph, weights, rotation, pose)
+        outputs[TURN_OUTPUT] = 3
     made = helper.make_graph(
         graph.nodes,
         "regressor",
@@ -56,7 +62,7 @@ def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
             helper.make_tensor_value_info(features, TensorProto.FLOAT, [1, DIMENSION]),
             helper.make_tensor_value_info(rotation, TensorProto.FLOAT, [1, 3]),
         ],
-        [helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, [1, len(shared["rest"])])],
+        [helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, width]) for name, width in outputs.items()],
         graph.constants,
     )
     model = helper.make_model(made, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="gemheads")
@@ -66,44 +72,7 @@ def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     return model.SerializeToString(deterministic=True)
 
 
-class _Graph:
-    """Nodes and constants as they come; equal constants are kept once."""
-
-    def __init__(self) -> None:
-        self.nodes: list[onnx.NodeProto] = []
-        self.constants: list[onnx.TensorProto] = []
-        self._kept: dict[tuple[str, tuple[int, ...], bytes], str] = {}
-
-    def constant(self, name: str, array: NDArray[Any] | np.generic) -> str:
-        """Its name; float32, or whole numbers."""
-        key = (str(array.dtype), array.shape, array.tobytes())
-        if key not in self._kept:
-            self._kept[key] = name
-            self.constants.append(numpy_helper.from_array(np.asarray(array), name))
-        return self._kept[key]
-
-    def learned(self, name: str, array: NDArray[np.float32]) -> str:
-        """Kept in float16; used in float32. Raises ValueError for numbers beyond its range."""
-        with np.errstate(over="ignore"):
-            half = array.astype(np.float16)
-        if not np.isfinite(half).all():
-            raise ValueError(f"{name} is beyond what float16 can say; train again with another seed")
-        return self.node("Cast", self.constant(name, half), to=TensorProto.FLOAT)
-
-    def node(self, operator: str, *inputs: str, **attributes: int) -> str:
-        """The name of its output."""
-        output = f"{operator.lower()}_{len(self.nodes)}"
-        made = helper.make_node(operator, list(inputs), [output], name=output)
-        made.attribute.extend(helper.make_attribute(name, value) for name, value in attributes.items())
-        self.nodes.append(made)
-        return output
-
-    def clipped(self, value: str, lower: str, upper: str) -> str:
-        """Between two constants."""
-        return self.node("Min", self.node("Max", value, lower), upper)
-
-
-def _squashed(graph: _Graph, free: str, straight: NDArray[np.float32]) -> str:
+def _squashed(graph: Graph, free: str, straight: NDArray[np.float32]) -> str:
     """Within 1, and as it is within ``straight`` (see Controls.coefficients)."""
     left = graph.constant("bent_share", 1 - straight)
     core = graph.clipped(free, graph.constant("straight_lower", -straight), graph.constant("straight_upper", straight))
@@ -111,7 +80,7 @@ def _squashed(graph: _Graph, free: str, straight: NDArray[np.float32]) -> str:
     return graph.node("Add", core, graph.node("Mul", bent, left))
 
 
-def _turn(graph: _Graph, rotation: str) -> str:
+def _turn(graph: Graph, rotation: str) -> str:
     """How all networks read the head's rotation, see RegressorNetwork.turn."""
     facing, wide = (
         graph.node("Div", rotation, graph.constant(name, np.float32(unit)))
@@ -127,7 +96,7 @@ def _turn(graph: _Graph, rotation: str) -> str:
 
 
 def _answer(
-    graph: _Graph,
+    graph: Graph,
     features: str,
     turn: str,
     prefix: str,
@@ -160,3 +129,28 @@ def _answer(
             hidden = graph.node("Relu", hidden)
     moved = graph.node("Mul", graph.node("Tanh", hidden), graph.constant(f"{prefix}reach", own["reach"]))
     return graph.clipped(graph.node("Add", start, moved), lower, upper)
+
+
+def _drawn_turn(graph: Graph, weights: str, rotation: str, pose: PoseResponse) -> None:
+    """The turn with which ``rotation`` is read on the avatar, see PoseResponse.turn, as TURN_OUTPUT."""
+    learned = {name: tensor.detach().cpu().numpy() for name, tensor in pose.state_dict().items()}
+    own = {name: graph.learned(f"pose_{name}", array) for name, array in learned.items() if name != "farthest"}
+    at_rest = graph.constant("pose_at_rest", pose.at_rest().detach().cpu().numpy())
+    farthest = [graph.constant(f"pose_{end}", sign * learned["farthest"]) for end, sign in ENDS]
+    most = [graph.constant(f"misread_{end}", np.float32(sign * MOST)) for end, sign in ENDS]
+    drawn = rotation
+    for time in range(TIMES):
+        within = graph.clipped(drawn, *farthest)
+        wide = graph.node("Div", within, graph.constant("typical", np.float32(TYPICAL)))
+        inputs = graph.node("Concat", weights, wide, axis=1)
+        hidden = inputs
+        for layer in (0, 2):
+            sums = graph.node("Gemm", hidden, own[f"layers.{layer}.weight"], own[f"layers.{layer}.bias"], transB=1)
+            hidden = graph.node("Mul", sums, graph.node("Sigmoid", sums))
+        bent = graph.node("Sub", graph.node("Gemm", hidden, own["layers.4.weight"], transB=1), at_rest)
+        beyond = graph.node("Add", graph.node("Gemm", inputs, own["linear.weight"], transB=1), bent)
+        misread = graph.clipped(graph.node("Mul", beyond, graph.constant("misread_unit", np.float32(UNIT))), *most)
+        if time < TIMES - 1:
+            drawn = graph.node("Sub", rotation, misread)
+        else:
+            graph.nodes.append(helper.make_node("Sub", [rotation, misread], [TURN_OUTPUT], name=TURN_OUTPUT))

@@ -25,6 +25,7 @@ from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .leaks import Leaks
 from .network import RegressorNetwork
+from .pose_response import fit_pose_response
 from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
 from .response import Responses, fit_response, joined
@@ -184,7 +185,8 @@ def regressor_for(
     school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
-    return export_onnx(members), TrainingReport(len(own), r2, before, school.mismatch(members))
+    pose = fit_pose_response(own, brief, seed)
+    return export_onnx(members, pose), TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
 def _practised(gem: Gem) -> Former | None:

@@ -8,7 +8,7 @@ from gemheads.models.crossing import clip as clips
 from gemheads.models.crossing import double, still
 from gemheads.models.crossing.clip import Clip, track_clip
 from gemheads.models.crossing.mirror import Mirror
-from gemheads.models.crossing.reading import Image, Reading, read
+from gemheads.models.crossing.reading import Image
 from gemheads.models.driver.answer import Answer, Express
 from gemheads.models.driver.features import score
 from gemheads.models.gem import Gem
@@ -34,10 +34,6 @@ class PaintedMirror(Mirror):
         self.drawn += 1
         picture = painted(coefficients[0], coefficients[1], rotation[1])
         return np.zeros_like(picture) if self.drawn - 1 in self.hidden else picture
-
-    def read(self, picture: Image) -> Reading | None:
-        face = self._tracker.track(picture)
-        return None if face is None else read(face)
 
 
 @pytest.fixture

@@ -7,10 +7,15 @@ import pytest
 from gemheads.models.crossing import clip as clips
 from gemheads.models.crossing.album import SIDE, Album, face_square
 from gemheads.models.crossing.clip import Clip, UnseenDriver, track_clip
-from gemheads.models.crossing.reading import Image
-from pixelface import painted
+from gemheads.models.crossing.double import mirrored
+from gemheads.models.crossing.loop import echo
+from gemheads.models.crossing.mirror import LOOKS
+from gemheads.models.crossing.reading import LOOKS_APART, Image
+from gemheads.models.driver.answer import Express
+from gemheads.models.driver.face import FaceObservation
+from pixelface import PixelTracker, painted
 
-from .conftest import RATE, performed
+from .conftest import RATE, PaintedMirror, performed
 
 
 def test_every_nth_frame_of_so_many_seconds_is_taken() -> None:
@@ -64,3 +69,25 @@ def test_pictures_show_the_face_and_come_back(clip: Clip) -> None:
     assert square[2, 2].tolist() == [0, 0, 0]
     with pytest.raises(ValueError, match="picture 0 of an album is damaged"):
         Album(np.zeros(9, np.uint8), np.array([9]))[0]
+
+
+@pytest.mark.parametrize(("every", "looks"), [(1, 1), (3, LOOKS_APART)])
+def test_frames_apart_are_looked_at_twice_by_all_trackers(
+    monkeypatch: pytest.MonkeyPatch, mirror: PaintedMirror, express: Express, every: int, looks: int
+) -> None:
+    """A face is looked for where it was, and by then it has gone further than that: the driver's, his double's, and
+    the avatar's, too."""
+    count, track = 0, PixelTracker.track
+
+    def counted(tracker: PixelTracker, picture: Image) -> FaceObservation | None:
+        nonlocal count
+        count += 1
+        return track(tracker, picture)
+
+    monkeypatch.setattr(PixelTracker, "track", counted)
+    clip = track_clip(performed(), every, 60.0)
+    assert count == looks * len(clip.readings)
+    mirrored(clip, performed())
+    assert count == 2 * looks * len(clip.readings)
+    echo(clip, express, mirror)
+    assert count == 3 * looks * len(clip.readings) + LOOKS

@@ -9,8 +9,10 @@ from gemheads.models.driver.features import DIMENSION, FEATURE_VERSION
 from gemheads.models.driver.nodding import Nodding
 from gemheads.models.driver.regressor import (
     FEATURES_INPUT,
+    MOST_OFF,
     OUTPUT,
     ROTATION_INPUT,
+    TURN_OUTPUT,
     Regressor,
     RegressorError,
 )
@@ -105,10 +107,42 @@ def test_the_head_turns_as_was_read_without_what_the_expression_only_seems_to_no
     np.testing.assert_allclose(upright.turn, [0.1 - 0.01 * plain.coefficients.sum(), 0.2, 0.3], rtol=1e-5)
 
 
-def test_a_second_output_is_refused() -> None:
+def turning(per_radian: float, width: int = 3) -> onnx.ModelProto:
+    """A graph that says how the head turns: by the rotation that was read, times ``per_radian``."""
+    times = numpy_helper.from_array((per_radian * np.eye(3, width)).astype(np.float32), "times")
+    model = graph(extra=[helper.make_node("MatMul", [ROTATION_INPUT, "times"], [TURN_OUTPUT])])
+    model.graph.initializer.append(times)
+    model.graph.output.append(helper.make_tensor_value_info(TURN_OUTPUT, TensorProto.FLOAT, [1, width]))
+    return model
+
+
+def test_a_graph_may_say_how_the_head_turns_and_then_nothing_else_is_taken_off() -> None:
+    nodding = Nodding(np.zeros(COEFFICIENTS), np.full(COEFFICIENTS, 0.01))
+    regressor = Regressor(turning(1.5).SerializeToString(), COEFFICIENTS, nodding)
+    answer = regressor(np.zeros(DIMENSION), np.array([0.1, 0.2, -0.3]))
+    np.testing.assert_allclose(answer.turn, [0.15, 0.3, -0.45], rtol=1e-6)
+
+
+def test_no_graph_turns_a_head_far_from_what_was_read() -> None:
+    regressor = Regressor(turning(-30).SerializeToString())
+    answer = regressor(np.zeros(DIMENSION), np.array([0.0, 0.5, -0.5]))
+    np.testing.assert_allclose(answer.turn, [0, 0.5 - MOST_OFF, MOST_OFF - 0.5], rtol=1e-6)
+
+
+def test_a_turn_that_is_not_finite_gives_the_last_good_answer() -> None:
+    regressor = Regressor(turning(1e38).SerializeToString())
+    good = regressor(np.zeros(DIMENSION), np.array([1e-9, 0, 0]))
+    answer = regressor(np.zeros(DIMENSION), np.array([100.0, 0, 0]))
+    np.testing.assert_array_equal(answer.coefficients, good.coefficients)
+    np.testing.assert_array_equal(answer.turn, good.turn)
+    assert regressor.failures == 1
+
+
+def test_another_second_output_is_refused() -> None:
     model = graph()
     model.graph.output.append(helper.make_tensor_value_info("d", TensorProto.FLOAT, [1, COEFFICIENTS]))
     refused(model, "instead of one coefficients")
+    refused(turning(1, width=4), "and perhaps head_turn")
 
 
 def test_operators_outside_the_list_are_refused() -> None:

@@ -1,0 +1,70 @@
+"""An avatar's head turns so that it is read as its driver's."""
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+
+from gemheads.models.driver.features import DIMENSION  # noqa: E402
+from gemheads.models.driver.regressor import Regressor  # noqa: E402
+from gemheads.models.train.controls import controls_of  # noqa: E402
+from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
+from gemheads.models.train.pose_response import FARTHEST, MOST, PoseResponse, fit_pose_response  # noqa: E402
+from gemheads.models.train.response import Responses  # noqa: E402
+from toygem import toy_gem  # noqa: E402
+from toynetwork import network_of, relative_features  # noqa: E402
+
+CONTROLS = 5
+NOD, GAIN = np.radians(4.0), 0.85
+"""The first control lifts the head that is read; of its nods so much is read."""
+
+
+def pictures(count: int, seed: int, lost: float = 0.0) -> Responses:
+    """Of an avatar that is misread in these two ways; ``lost``: so many are read as another face."""
+    rng = np.random.default_rng(seed)
+    weights, drawn = rng.uniform(0, 1, (count, CONTROLS)), rng.normal(0, [0.15, 0.2, 0.1], (count, 3))
+    seen = drawn + np.stack([NOD * weights[:, 0] + (GAIN - 1) * drawn[:, 0], 0 * drawn[:, 0], 0 * drawn[:, 0]], 1)
+    seen[rng.random(count) < lost] += 1.0
+    return Responses(*(array.astype("f4") for array in (weights, drawn, seen)), np.zeros((count, DIMENSION), "f4"))
+
+
+def test_the_turn_that_is_drawn_is_read_as_the_one_that_is_wanted() -> None:
+    pose = fit_pose_response(pictures(2000, 0, lost=0.02), 600, 0)
+    held = pictures(500, 1)
+    turn = pose.turn(torch.from_numpy(held.weights), torch.from_numpy(held.seen_rotations)).numpy()
+    before, after = (np.degrees(np.abs(one - held.rotations)).mean(0) for one in (held.seen_rotations, turn))
+    assert before[0] > 1.5
+    assert after.max() < 0.2
+
+
+def test_nothing_is_misread_of_the_neutral_that_looks_straight_ahead() -> None:
+    pose = fit_pose_response(pictures(500, 0), 50, 0)
+    assert not pose(torch.zeros(1, CONTROLS), torch.zeros(1, 3)).any()
+
+
+def test_far_turns_are_misread_as_the_farthest_and_nothing_by_much() -> None:
+    pose = fit_pose_response(pictures(500, 0), 50, 0)
+    weights, farthest = torch.full((1, CONTROLS), 0.5), torch.tensor(FARTHEST[None], dtype=torch.float32)
+    torch.testing.assert_close(pose(weights, 5 * farthest), pose(weights, farthest))
+    assert pose(1e6 * weights, farthest).abs().max() == pytest.approx(MOST)
+
+
+def test_pictures_that_are_all_misread_teach_nothing_and_break_nothing() -> None:
+    pose = fit_pose_response(pictures(50, 0, lost=1.0), 10, 0)
+    assert all(torch.isfinite(parameter).all() for parameter in pose.parameters())
+
+
+def test_the_exported_graph_turns_as_the_model() -> None:
+    gem = toy_gem()
+    network, pose = network_of(controls_of(gem)), PoseResponse(52)
+    with torch.no_grad():
+        for parameter in pose.parameters():
+            parameter.copy_((3 * parameter + 0.3 * torch.randn_like(parameter)).half())
+    features, rotations = relative_features(20, 1) * 5, np.random.default_rng(1).normal(0, 0.3, (20, 3)).astype("f4")
+    regressor = Regressor(export_onnx([network], pose), gem.coefficient_count)
+    with torch.no_grad():
+        seen = torch.from_numpy(features), torch.from_numpy(rotations)
+        wanted = pose.turn(network.weights(*seen), seen[1]).numpy()
+    got = np.stack([regressor(f, r).turn for f, r in zip(features, rotations, strict=True)])
+    np.testing.assert_allclose(got, wanted, atol=1e-4)
+    assert np.abs(got - rotations).max() > 0.05
