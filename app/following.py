@@ -22,6 +22,9 @@ EXPRESSION_FILTER = OneEuro(min_cutoff_hz=2.0, beta=1.0, together=True)
 keeps a correlation of .98 to .996 for smile, jaw and blink; with one cutoff a coefficient the smile falls to .86."""
 TURN_FILTER = OneEuro(min_cutoff_hz=2.0, beta=10.0, together=True)
 """On the head's rotation in radians."""
+MISREAD_FILTER = OneEuro(min_cutoff_hz=2.0, beta=0.0)
+"""On what is taken off the rotation because an expression only seems to turn the head, in radians: the expression is
+shown no faster, and what trembles in it shall not make the head tremble."""
 AT_LIMIT = 0.98 * 3.0
 """Coefficients beyond this many sigma count as clamped."""
 TURNED_DEG = (30.0, 45.0)
@@ -68,6 +71,7 @@ class Actor:
     gains: Floats | None = None
     """[coefficients, coefficients] what becomes of coefficients away from rest, multiplied from the right."""
     turn_gain: float = 1.0
+    misread_filter: OneEuro = MISREAD_FILTER
 
 
 @dataclass(frozen=True)
@@ -83,6 +87,8 @@ class Memory:
     """Coefficients away from the rest expression, in units of sigma."""
     turn: Smoothed | None = None
     """Rotation of the head from its neutral."""
+    misread: Smoothed | None = None
+    """What is taken off it."""
     translation: Floats = field(default_factory=lambda: np.zeros(3, np.float32))
     """[3] metres the head stands from its place: only tracks say so."""
     clamped: float = 0.0
@@ -112,7 +118,7 @@ def look(tracker: Tracker, before: Memory, frame: Frame) -> tuple[Memory, Look]:
     cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
     if cut:
         tracker.reset()
-        before = replace(before, box=None, expression=None, turn=None)
+        before = replace(before, box=None, expression=None, turn=None, misread=None)
     face = tracker.track(frame.rgb, locked_box(before, dt))
     attention = update(before.attention, face is not None, dt)
     return replace(before, attention=attention, seconds=now, thumbnail=view), Look(face, dt, cut)
@@ -127,7 +133,8 @@ def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Me
 
 def take_on(actor: Actor, memory: Memory, answer: Answer, dt: float) -> Memory:
     """What the avatar shall do, through gains and filters; what is not finite is not."""
-    coefficients, turn = answer.coefficients, answer.turn
+    coefficients, misread = answer.coefficients, step(actor.misread_filter, memory.misread, answer.misread, dt)
+    turn = answer.turn + answer.misread - misread.value
     away = coefficients - actor.gem.rest_coefficients
     sigmas = (away if actor.gains is None else away @ actor.gains) / actor.gem.sigma
     if not (np.isfinite(sigmas).all() and np.isfinite(turn).all()):
@@ -136,6 +143,7 @@ def take_on(actor: Actor, memory: Memory, answer: Answer, dt: float) -> Memory:
         memory,
         expression=step(actor.expression_filter, memory.expression, sigmas, dt),
         turn=step(actor.turn_filter, memory.turn, turn * actor.turn_gain, dt),
+        misread=misread,
         translation=np.zeros(3, np.float32),
         clamped=np.count_nonzero(np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma) / max(1, len(coefficients)),
     )

@@ -12,7 +12,7 @@ from ..models.driver.neutral import NeutralChoice
 from ..models.driver.smoothing import OneEuro
 from ..models.gem import Gem
 from .casting import Avatar
-from .following import EXPRESSION_FILTER, TURN_FILTER, Actor, Floats, Tracker
+from .following import EXPRESSION_FILTER, MISREAD_FILTER, TURN_FILTER, Actor, Floats, Tracker
 
 Group = Literal["mouth", "eyes", "brows", "head"]
 GROUPS: tuple[Group, ...] = get_args(Group)
@@ -82,6 +82,7 @@ def actor_for(avatar: Avatar, tracker: Tracker, express: Express, tuning: Tuning
         smoother(TURN_FILTER, smoothing),
         gain_matrix(avatar.gem, tuning),
         tuning.gain("head"),
+        smoother(MISREAD_FILTER, smoothing),
     )
 
 

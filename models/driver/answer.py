@@ -1,7 +1,7 @@
 """What a face makes an avatar do, and the way of telling that learned nothing."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ class Answer:
     turn: Floats
     """[3] how the head turns from its rest, a rotation vector in radians: the driver's rotation, less what an
     expression only seems to turn."""
+    misread: Floats = field(default_factory=lambda: np.zeros(3))
+    """[3] radians that were taken off what was read on the driver."""
 
 
 Express = Callable[[Floats, Floats], Answer]
@@ -36,6 +38,7 @@ def by_scores(gem: Gem) -> Express:
 
     def answer(features: Floats, rotation: Floats) -> Answer:
         coefficients = gem.clamped(gem.arkit_coefficients(baseline_weights(features)))
-        return Answer(coefficients, nodding.taken_off(rotation, coefficients))
+        turn = nodding.taken_off(rotation, coefficients)
+        return Answer(coefficients, turn, rotation - turn)
 
     return answer

@@ -104,7 +104,7 @@ class Regressor:
             self.failures += 1
             answer = self._last
         self._last = answer
-        return Answer(answer.coefficients.copy(), answer.turn.copy())
+        return Answer(answer.coefficients.copy(), answer.turn.copy(), answer.misread.copy())
 
     def _answer(self, values: dict[str, NDArray[np.float32]]) -> Answer | None:
         """The graph's answer; None where there is none of use."""
@@ -121,9 +121,10 @@ class Regressor:
         if turns:
             if turns[0].shape != (3,) or not np.isfinite(turns[0]).all():
                 return None
-            return Answer(coefficients, rotation + np.clip(turns[0] - rotation, -MOST_OFF, MOST_OFF))
-        turn = rotation if self._nodding is None else self._nodding.taken_off(rotation, coefficients)
-        return Answer(coefficients, turn)
+            turn = rotation + np.clip(turns[0] - rotation, -MOST_OFF, MOST_OFF)
+        else:
+            turn = rotation if self._nodding is None else self._nodding.taken_off(rotation, coefficients)
+        return Answer(coefficients, turn, rotation - turn)
 
 
 def _briefly(values: object) -> str:

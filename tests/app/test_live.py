@@ -86,8 +86,9 @@ def jaw_of(features: np.ndarray, turn: np.ndarray) -> Answer:
 
 def upright_jaw_of(features: np.ndarray, turn: np.ndarray) -> Answer:
     """The same, and an open jaw only seems to nod by a tenth of a radian."""
-    answer = jaw_of(features, turn)
-    return Answer(answer.coefficients, turn - [0.1 * answer.coefficients[0] / GEM.sigma[0], 0, 0])
+    coefficients = jaw_of(features, turn).coefficients
+    nod = np.array([0.1 * coefficients[0] / GEM.sigma[0], 0, 0])
+    return Answer(coefficients, turn - nod, nod)
 
 
 def play(
@@ -137,6 +138,14 @@ def test_a_jaw_that_only_seems_to_nod_does_not_nod() -> None:
     script: list[FaceObservation | None] = [face()] * 5 + [face(jaw=1.0, turn=(0.1, 0.3, 0))] * 20
     upright = play(ScriptedTracker(script), express=upright_jaw_of)
     assert upright[-1].turn == pytest.approx([0, 0.3, 0], abs=5e-3)
+
+
+def test_a_jaw_that_trembles_does_not_make_the_head_nod() -> None:
+    """What an expression only seems to nod is taken off no faster than the expression is shown."""
+    script = [face(jaw=0.5 + 0.3 * (-1) ** i, turn=(0.05, 0.2, 0)) for i in range(60)]
+    pitch = np.array([pose.turn[0] for pose in play(ScriptedTracker(script), express=upright_jaw_of)])[20:]
+    assert np.ptp(pitch) < 0.1 * 0.6 / 6  # a sixth of what seems to nod
+    assert pitch.mean() == pytest.approx(0.0, abs=2e-3)
 
 
 def test_a_lost_face_holds_then_rests_then_returns() -> None:
