@@ -14,7 +14,7 @@ FEATURES_INPUT, ROTATION_INPUT, OUTPUT = "relative_features", "head_rotation", "
 """The graph's inputs [1, D] and [1, 3] and its output [1, coefficients], all float32."""
 TURN_OUTPUT = "head_turn"
 """A second output [1, 3], radians, which a graph may have: by how much the avatar's head turns, so that it is read as
-the driver's is. An expression seems to nod, and not all heads that nod alike are read alike."""
+the driver's is, whatever the expression adds to it: raised brows seem to nod, by not as much on all avatars."""
 MOST_OFF = 0.35
 """Radians; a head turns no further than this from what was read on the driver, whatever its graph says."""
 VERSION_KEY = "feature_version"

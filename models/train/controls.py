@@ -12,10 +12,9 @@ from ..gem import CLAMP_SIGMAS, Gem
 
 ARKIT_REACH = 0.7
 """How far training may move an ARKit weight from the tracker's own reading of it."""
-UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.1
-"""The same for gaze: looking aside is read well as it is. With more, eyes moved aside to mend what a lid that closes
-does to the reading of an avatar's eyes, and where they looked had half to do with where the driver did. Looking up and
-down moves the lids, which the scores do not tell from the eyes."""
+UP_DOWN_REACH, SIDEWAYS_REACH = 0.5, 0.3
+"""The same for gaze: looking aside is read well as it is, and only corrected for what lids and cheeks do to it; looking
+up and down moves the lids, which the scores do not tell from the eyes."""
 UNREAD = tuple(name for name in NAMES if name not in SCORE_NAMES)
 """The tracker reads these on nobody. They stay still: training knows nothing of what they should do, and would pull
 faces with them to mend what it misses elsewhere."""

@@ -32,7 +32,7 @@ def export_onnx(members: Sequence[RegressorNetwork], pose: PoseResponse | None =
     Args:
         members: networks for the same avatar; the mean of the control weights that they answer counts. What they
             learned is kept in float16.
-        pose: how the turn of the avatar's head is read; None: its head turns as what is read on the driver.
+        pose: what an expression adds to the turn that is read; None: the head turns as what is read on the driver.
     """
     graph = Graph()
     features, rotation = INPUTS
@@ -135,22 +135,25 @@ def _drawn_turn(graph: Graph, weights: str, rotation: str, pose: PoseResponse) -
     """The turn with which ``rotation`` is read on the avatar, see PoseResponse.turn, as TURN_OUTPUT."""
     learned = {name: tensor.detach().cpu().numpy() for name, tensor in pose.state_dict().items()}
     own = {name: graph.learned(f"pose_{name}", array) for name, array in learned.items() if name != "farthest"}
-    at_rest = graph.constant("pose_at_rest", pose.at_rest().detach().cpu().numpy())
     farthest = [graph.constant(f"pose_{end}", sign * learned["farthest"]) for end, sign in ENDS]
     most = [graph.constant(f"misread_{end}", np.float32(sign * MOST)) for end, sign in ENDS]
+    straight = graph.node("Gemm", weights, own["linear.weight"], transB=1)
+    expression = graph.node("Gemm", weights, own["expression.weight"], transB=1)
+
+    def bent(hidden: str) -> str:
+        for layer in (1, 3):
+            shared = graph.node("Mul", hidden, graph.node("Sigmoid", hidden))
+            hidden = graph.node("Gemm", shared, own[f"bend.{layer}.weight"], own[f"bend.{layer}.bias"], transB=1)
+        return hidden
+
     drawn = rotation
     for time in range(TIMES):
-        within = graph.clipped(drawn, *farthest)
-        wide = graph.node("Div", within, graph.constant("typical", np.float32(TYPICAL)))
-        inputs = graph.node("Concat", weights, wide, axis=1)
-        hidden = inputs
-        for layer in (0, 2):
-            sums = graph.node("Gemm", hidden, own[f"layers.{layer}.weight"], own[f"layers.{layer}.bias"], transB=1)
-            hidden = graph.node("Mul", sums, graph.node("Sigmoid", sums))
-        bent = graph.node("Sub", graph.node("Gemm", hidden, own["layers.4.weight"], transB=1), at_rest)
-        beyond = graph.node("Add", graph.node("Gemm", inputs, own["linear.weight"], transB=1), bent)
-        misread = graph.clipped(graph.node("Mul", beyond, graph.constant("misread_unit", np.float32(UNIT))), *most)
+        wide = graph.node("Div", graph.clipped(drawn, *farthest), graph.constant("typical", np.float32(TYPICAL)))
+        turned = graph.node("Gemm", wide, own["rotation.weight"], own["rotation.bias"], transB=1)
+        beyond = graph.node("Sub", bent(graph.node("Add", turned, expression)), bent(turned))
+        added = graph.node("Mul", graph.node("Add", straight, beyond), graph.constant("misread_unit", np.float32(UNIT)))
+        added = graph.clipped(added, *most)
         if time < TIMES - 1:
-            drawn = graph.node("Sub", rotation, misread)
+            drawn = graph.node("Sub", rotation, added)
         else:
-            graph.nodes.append(helper.make_node("Sub", [rotation, misread], [TURN_OUTPUT], name=TURN_OUTPUT))
+            graph.nodes.append(helper.make_node("Sub", [rotation, added], [TURN_OUTPUT], name=TURN_OUTPUT))

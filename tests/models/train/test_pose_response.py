@@ -1,4 +1,4 @@
-"""An avatar's head turns so that it is read as its driver's."""
+"""What an expression adds to the turn that is read is taken off."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from toynetwork import network_of, relative_features  # noqa: E402
 
 CONTROLS = 5
 NOD, GAIN = np.radians(4.0), 0.85
-"""The first control lifts the head that is read; of its nods so much is read."""
+"""The first control lifts the head that is read, and so much of a nod is read, whatever the face does."""
 
 
 def pictures(count: int, seed: int, lost: float = 0.0) -> Responses:
@@ -28,21 +28,23 @@ def pictures(count: int, seed: int, lost: float = 0.0) -> Responses:
     return Responses(*(array.astype("f4") for array in (weights, drawn, seen)), np.zeros((count, DIMENSION), "f4"))
 
 
-def test_the_turn_that_is_drawn_is_read_as_the_one_that_is_wanted() -> None:
+def test_an_expression_adds_nothing_to_what_is_read_once_it_is_taken_off() -> None:
     pose = fit_pose_response(pictures(2000, 0, lost=0.02), 600, 0)
     held = pictures(500, 1)
     turn = pose.turn(torch.from_numpy(held.weights), torch.from_numpy(held.seen_rotations)).numpy()
-    before, after = (np.degrees(np.abs(one - held.rotations)).mean(0) for one in (held.seen_rotations, turn))
+    at_rest = held.rotations * [GAIN, 1, 1]
+    before, after = (np.degrees(np.abs(one - at_rest)).mean(0) for one in (held.seen_rotations, turn))
     assert before[0] > 1.5
     assert after.max() < 0.2
 
 
-def test_nothing_is_misread_of_the_neutral_that_looks_straight_ahead() -> None:
+def test_a_face_at_rest_turns_as_its_driver() -> None:
     pose = fit_pose_response(pictures(500, 0), 50, 0)
-    assert not pose(torch.zeros(1, CONTROLS), torch.zeros(1, 3)).any()
+    rotations = torch.tensor([[0.0, 0.0, 0.0], [0.2, -0.4, 0.1]])
+    torch.testing.assert_close(pose.turn(torch.zeros(2, CONTROLS), rotations), rotations)
 
 
-def test_far_turns_are_misread_as_the_farthest_and_nothing_by_much() -> None:
+def test_far_turns_add_what_the_farthest_do_and_nothing_adds_much() -> None:
     pose = fit_pose_response(pictures(500, 0), 50, 0)
     weights, farthest = torch.full((1, CONTROLS), 0.5), torch.tensor(FARTHEST[None], dtype=torch.float32)
     torch.testing.assert_close(pose(weights, 5 * farthest), pose(weights, farthest))
