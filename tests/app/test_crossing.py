@@ -231,7 +231,7 @@ def test_an_avatar_whose_face_is_not_seen_is_left_out(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     read = mirror.Mirror.read
-    monkeypatch.setattr(mirror.Mirror, "read", lambda self, shown: None if self.gem.regressor else read(self, shown))
+    monkeypatch.setattr(mirror.Mirror, "read", lambda self, *shown: None if self.gem.regressor else read(self, *shown))
     words = ("--drivers", drivers[0], "--every", 1, "-o")
     assert evaluate(learned, "--against", tiny, *words, tmp_path / "r") == ExitCode.OK
     assert "learned is left out: the tracker sees no face in the neutral picture" in capsys.readouterr().out
