@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from onnx import TensorProto, helper
 
 from ..driver.features import DIMENSION, FEATURE_VERSION, SCORES
-from ..driver.regressor import VERSION_KEY
+from ..driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT, TURN_OUTPUT, VERSION_KEY
 from .leaks import FACTORS
 from .network import FACING, KAPPA_LIMIT, TURN_LIMIT, RegressorNetwork
 from .onnx_graph import Graph
@@ -16,8 +16,6 @@ from .pose_response import MOST, TIMES, UNIT, PoseResponse
 from .response import TYPICAL
 
 OPSET = 17
-INPUTS = ("relative_features", "head_rotation")
-OUTPUT, TURN_OUTPUT = "coefficients", "head_turn"
 ENDS = (("lower", -1), ("upper", 1))
 """Of a range, and on which side of zero."""
 SHARED = ("lower", "upper", "rest", "to_coefficients", "limit", "straight", "least")
@@ -35,7 +33,7 @@ def export_onnx(members: Sequence[RegressorNetwork], pose: PoseResponse | None =
         pose: what an expression adds to the turn that is read; None: the head turns as what is read on the driver.
     """
     graph = Graph()
-    features, rotation = INPUTS
+    features, rotation = FEATURES_INPUT, ROTATION_INPUT
     shared = {name: getattr(members[0], name).cpu().numpy() for name in SHARED}
     heeded = graph.node("Max", features, graph.constant("least", shared["least"]))
     turn = _turn(graph, rotation)

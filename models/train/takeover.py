@@ -4,10 +4,9 @@ import numpy as np
 import onnx
 from onnx import numpy_helper
 
-from ..driver.regressor import Regressor, RegressorError
+from ..driver.regressor import OUTPUT, Regressor, RegressorError
 from ..gem import Gem
 from .controls import controls_of
-from .export_onnx import OUTPUT
 
 AVATARS_OWN = ("rest", "to_coefficients", "limit")
 """Constants of a graph that turn control weights into an avatar's coefficients; all the rest is about faces."""

@@ -3,7 +3,7 @@
 F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
 Three times, a g acts before the tracker, and F is learned again with these pictures, too; a committee of new ones
-ships.
+ships, and with it what expressions add to the turn of the head as it is read.
 """
 
 from collections.abc import Callable, Sequence
