@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..driver.face import FaceObservation, FaceTracker
+from ..driver.face import FaceObservation, FaceTracker, looked
 from ..driver.neutral import NeutralChoice, choose_neutral, other_neutrals
 from .album import Album, bound, face_square, packed
-from .reading import LOOKS_APART, Array, Image, Reading, Readings, looked, read, stacked
+from .reading import LOOKS_APART, Array, Image, Reading, Readings, read, stacked
 
 MOST_FRAMES = 3000
 """Of a clip: 40 MB of readings and pictures."""

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..driver.face import FaceTracker
+from ..driver.face import FaceTracker, looked
 from .channels import CHANNELS, correlations, table
 from .clip import Clip
 from .compare import FEWEST_SEEN
-from .reading import Array, Image, Reading, Readings, looked, read, stacked
+from .reading import Array, Image, Reading, Readings, read, stacked
 
 SWAPPED = ("gaze horizontal", "yaw", "roll", "iris horizontal")
 """Channels that change their sign in a mirror."""

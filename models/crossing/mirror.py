@@ -7,10 +7,10 @@ from ...render.camera import orbit
 from ...render.compositing import over
 from ...render.software import SoftwareEngine
 from ..driver.answer import Answer
-from ..driver.face import FaceTracker
+from ..driver.face import FaceTracker, looked
 from ..gem import Gem
 from ..posing import pose_head
-from .reading import Image, Reading, looked, read
+from .reading import Image, Reading, read
 
 LOOKS = 4
 """At a still picture, until the tracker's region has settled."""

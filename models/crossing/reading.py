@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..driver import points
-from ..driver.face import FaceObservation, FaceTracker
+from ..driver.face import FaceObservation
 from ..driver.features import feature_vector, head_rotation
 
 Array = NDArray[np.float64]
@@ -56,14 +56,6 @@ class Readings:
     def only(self, chosen: NDArray[np.integer] | NDArray[np.bool_]) -> "Readings":
         """Those of some pictures, by their places or by a mask."""
         return Readings(self.features[chosen], self.rotations[chosen], self.landmarks[chosen], self.embeddings[chosen])
-
-
-def looked(tracker: FaceTracker, picture: Image, looks: int) -> FaceObservation | None:
-    """What a tracker sees after so many looks at a picture; None when there is no face."""
-    face = tracker.track(picture)
-    for _ in range(looks - 1):
-        face = None if face is None else tracker.track(picture)
-    return face
 
 
 def read(face: FaceObservation) -> Reading:

@@ -160,6 +160,15 @@ class FaceTracker:
         )
 
 
+def looked(tracker: FaceTracker, rgb: NDArray[np.uint8], looks: int) -> FaceObservation | None:
+    """What a tracker sees after so many looks at a picture, each cut out around what the one before saw; None when
+    there is no face. Raises ValueError like ``track``."""
+    face = tracker.track(rgb)
+    for _ in range(looks - 1):
+        face = None if face is None else tracker.track(rgb)
+    return face
+
+
 def _is_another(face: FaceObservation, locked: Box | None) -> bool:
     return locked is not None and overlap(face.box_px, locked) < _SAME_FACE
 

@@ -17,12 +17,12 @@ HIDDEN = 48
 FARTHEST = np.radians([30.0, 45.0, 20.0])
 """Pitch, yaw and roll up to which pictures were seen, about; beyond, an expression adds what it adds there."""
 MOST = float(np.radians(12.0))
-"""No expression adds more. Less than one in a thousand adds 9 degrees."""
+"""No expression adds more; one face in a thousand of those learned from adds 9 degrees."""
 LOST = 0.3
 """Radians; what is misread so far is another face, or none."""
 TIMES = 2
 """What an expression adds depends on the turn that is drawn, which is what is asked for: begun with the driver's, it is
-looked for so many times, and found to a tenth of a degree."""
+looked for so many times, and found to a tenth of a degree in ninety-nine of a hundred faces."""
 UNIT = float(np.radians(1.0))
 """In which a miss is counted: half as large as what is misread."""
 

@@ -12,7 +12,7 @@ from ...render.camera import Camera, orbit
 from ...render.compositing import over
 from ...render.gaussians import RawGaussians
 from ...render.software import SoftwareEngine
-from ..driver.face import FaceObservation, FaceTracker
+from ..driver.face import FaceObservation, FaceTracker, looked
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..gem import Gem
 from ..posing import pose_head
@@ -150,10 +150,7 @@ class _Studio:
         if not still and rng.random() < 0.5:
             picture = _photographed(picture, rng)
         self._tracker.reset()
-        observation = self._tracker.track(picture)
-        for _ in range((_LOOKS_STILL if still else _LOOKS) - 1):
-            observation = None if observation is None else self._tracker.track(picture)
-        return observation
+        return looked(self._tracker, picture, _LOOKS_STILL if still else _LOOKS)
 
     def _displaced(self) -> NDArray[np.float32] | float:
         """[N, 3] by which the head's shape moves the avatar's splats; the splats keep their sizes and turns."""

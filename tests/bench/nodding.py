@@ -73,9 +73,7 @@ def shown(mirror: Mirror, faces: int, seed: int, spread: np.ndarray) -> list[tup
     kept = []
     for face, turned in zip(random_weights(faces, rng), rng.normal(size=(faces, 3)) * spread, strict=True):
         mirror.restart()
-        picture, reading = mirror.draw(controls.coefficients(face), turned), None
-        for _ in range(LOOKS):
-            reading = mirror.read(picture)
+        reading = mirror.read(mirror.draw(controls.coefficients(face), turned), LOOKS)
         if isinstance(reading, Reading):
             turn = relative_rotation(reading.rotation, rest.rotation)
             if np.abs(turn - turned).max() < BEYOND:
