@@ -165,9 +165,10 @@ THEO = Person(
     wrinkles=1.0,
     brow_lift=0.002,
     rest=RELAXED
-    | {"mouthSmileLeft": 0.18, "mouthSmileRight": 0.18}
+    # a wide mouth at rest was far from any kiss: half a pucker read as none
+    | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.15}
     | {"browInnerUp": 0.05, "browOuterUpLeft": 0.30, "browOuterUpRight": 0.30},
-    gain=_paired({"browOuterUp": 1.4, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
+    gain=_paired({"browOuterUp": 1.4, "browDown": 1.35, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
     | {"browInnerUp": 1.25, "mouthPucker": 1.1},
 )
 

@@ -91,7 +91,7 @@ def test_expressions_are_read_by_the_tracker(name: str) -> None:
     for weights, channel, least in (
         ({"jawOpen": 0.8}, "jawOpen", 0.4),
         ({"mouthSmile": 1.0}, "mouthSmileRight", 0.4),
-        ({"mouthPucker": 0.6}, "mouthPucker", 0.25),
+        ({"mouthPucker": 0.4}, "mouthPucker", 0.2),
         ({"mouthPucker": 1.0}, "mouthPucker", 0.5),
         ({"eyeBlink": 1.0}, "eyeBlinkLeft", 0.4),
         ({"eyeBlink": 1.0}, "eyeBlinkRight", 0.4),
