@@ -165,7 +165,7 @@ THEO = Person(
     wrinkles=1.0,
     brow_lift=0.002,
     rest=RELAXED
-    # a wide mouth at rest was far from any kiss: half a pucker read as none
+    # a wide mouth at rest was far from any kiss: half a pucker read as hardly one
     | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.15}
     | {"browInnerUp": 0.05, "browOuterUpLeft": 0.30, "browOuterUpRight": 0.30},
     gain=_paired({"browOuterUp": 1.4, "browDown": 1.35, "mouthUpperUp": 2.1, "mouthFrown": 1.6})

@@ -5,14 +5,16 @@
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
 moves. The last column is the driver's own mirror image in the avatar's place, which does exactly what the driver does.
-Below them, second opinions by landmark distances that do not go through the scores. `gemheads evaluate` with --drivers
-says more, of several avatars, on a page; this one also tries regressors that are in no avatar yet.
+Below them, second opinions by landmark distances that do not go through the scores; at the end the medians again, to
+the third digit, and one mean. `gemheads evaluate` with --drivers says more, of several avatars, on a page; this one
+also tries regressors that are in no avatar yet.
 """
 
 import argparse
 import json
 import sys
 import tempfile
+import textwrap
 import time
 from pathlib import Path
 
@@ -34,8 +36,12 @@ from gemheads.models.gemfile import load_gem
 from numpy.typing import NDArray
 
 DRIVERS = Path(__file__).resolve().parents[3] / "shared" / "data" / "drivers"
+WIDTH = 120
+"""Letters a line of what is printed below the table."""
 SHOTS = 10
 """Pictures of each clip in the film strip."""
+OVERALL = [place for place, channel in enumerate(SCORE_CHANNELS) if channel.name not in ("yaw", "roll")]
+"""Channels that the one mean is taken over: those of the head are followed by all."""
 Figures = dict[str, dict[str, tuple[Likeness, int]]]
 """Clip -> run -> figures by channel, and in how many frames the avatar was not seen."""
 
@@ -121,7 +127,23 @@ def report(avatar: str, figures: Figures, doubles: dict[str, NDArray[np.float64]
         goal = "" if channel.goal is None else f"{channel.goal:g}"
         name = channel.name if channel in SCORE_CHANNELS else f"*{channel.name}*"
         lines.append(f"| {name} | {goal} | " + " | ".join(cells) + " |")
+    everybody = correlation | {"mirror image": np.array(list(doubles.values()))}
+    medians = [np.nanmedian(of_clips[:, moving.any(0)], 0) for of_clips in everybody.values()]
+    names = [channel.name for channel, moves in zip(CHANNELS, moving.any(0), strict=True) if moves]
+    told = (f"{name} {' '.join(f'{one:.3f}' for one in each)}" for name, *each in zip(names, *medians, strict=True))
+    means = (f"{run} {_overall(of_clips):.3f}" for run, of_clips in everybody.items())
+    for line in (
+        f"Medians ({'; '.join(everybody)}): {'; '.join(told)}.",
+        f"Mean of {len(OVERALL)} channels (not yaw and roll) of the means over all clips: {'; '.join(means)}.",
+    ):
+        lines += ["", textwrap.fill(line, WIDTH)]
     return "\n".join(lines)
+
+
+def _overall(correlation: NDArray[np.float64]) -> float:
+    """One figure of correlations [clips, channels]; NaN where a driver does not move."""
+    moving = [place for place in OVERALL if not np.isnan(correlation[:, place]).all()]
+    return float(np.nanmean(correlation[:, moving], 0).mean())
 
 
 def _figure(value: float) -> str:

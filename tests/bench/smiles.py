@@ -85,9 +85,9 @@ def shown(mirror: Mirror, **weights: float) -> Floats:
     """Relative features [D] of an avatar's expression."""
     picture = mirror.draw(mirror.gem.arkit_coefficients(weights_of(**weights)), np.zeros(3))
     mirror.restart()
-    readings = [mirror.read(picture) for _ in range(LOOKS)]
-    assert readings[-1] is not None, f"{mirror.gem.name} is not seen"
-    return readings[-1].features - mirror.neutral().features
+    reading = mirror.read(picture, LOOKS)
+    assert reading is not None, f"{mirror.gem.name} is not seen"
+    return reading.features - mirror.neutral().features
 
 
 def left(gem: Gem, shape: str, straight: float) -> float:

@@ -4,58 +4,23 @@ import socket
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
-import av
 import numpy as np
 import pytest
 from gemheads.app.coach import coach
-from gemheads.app.desk import session as session_module
 from gemheads.app.desk.actions import Order
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
-from gemheads.app.desk.session import Session
 from gemheads.app.live import run_live
 from gemheads.app.restface import RestSession
-from gemheads.app.senders.outlet import Shown
 from gemheads.app.shots import Health
 from gemheads.render.software import SoftwareEngine
 
 from .conftest import Room
+from .rounds import Spy, begin, turn, until
 from .test_remote import packet
-
-
-def turn(session: Session) -> np.ndarray | None:
-    """One round of the loop without a window, and what was drawn in it."""
-    now = time.perf_counter()
-    session.settle(now)
-    session.draw(now)
-    while (drawn := session.drawn()) is None and not session.stage.free:
-        time.sleep(0.001)
-    if drawn is None:
-        return None
-    session.offer(drawn, now)
-    session.view(now)
-    return drawn.picture.copy()
-
-
-def until(session: Session, done: Callable[[], bool], secs: float = 20) -> np.ndarray:
-    """Rounds until something is the case; the last picture."""
-    picture, end = None, time.perf_counter() + secs
-    while time.perf_counter() < end:
-        drawn = turn(session)
-        picture = drawn if drawn is not None else picture
-        if done() and picture is not None:
-            return picture
-        time.sleep(0.002)
-    raise AssertionError("it did not come to that")
-
-
-def begin(room: Room) -> np.ndarray:
-    """The first avatar on stage."""
-    return until(room.session, lambda: room.session.stage.avatar is not None)
 
 
 def test_the_first_avatar_comes_at_rest_and_follows_the_newest_shot(room: Room) -> None:
@@ -146,20 +111,6 @@ def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
     np.testing.assert_array_equal(again, whole)
 
 
-@dataclass
-class Spy:
-    """An output that keeps what it gets."""
-
-    got: list[Shown]
-    status: str = "spying"
-
-    def send(self, shown: Shown) -> None:
-        self.got.append(shown)
-
-    def close(self) -> None:
-        pass
-
-
 def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_the_curtain(room: Room) -> None:
     begin(room)
     spy = Spy([])
@@ -246,129 +197,6 @@ def test_sliders_reach_the_capture_and_the_source_is_what_was_asked_for(room: Ro
         assert [call for call in room.capture.calls if call[0] == "use"][-1][2] == name
     room.session.obey(Order("open", "osc:99999999"))
     assert room.session.view(time.perf_counter()).toasts[-1].alarm
-
-
-def test_space_freezes_where_nothing_can_be_paused(room: Room) -> None:
-    begin(room)
-    room.capture.post(1.0)
-    turn(room.session)
-    room.session.obey(Order("play"))
-    room.capture.post(3.0)
-    assert turn(room.session) is not None  # the state changed; the pose did not
-    assert room.session.stage.shot is not None
-    assert room.session.stage.shot.serial == 1
-    room.session.obey(Order("play"))
-    room.capture.post(3.0)
-    turn(room.session)
-    assert room.session.stage.shot.serial == 3
-
-
-class Buttons:
-    """A transport that writes down what is pressed."""
-
-    playing, loop, position, duration = True, True, 3.0, 10.0
-
-    def __init__(self) -> None:
-        self.pressed: list[tuple[str, float]] = []
-
-    def play(self) -> None:
-        self.pressed.append(("play", 1))
-
-    def pause(self) -> None:
-        self.pressed.append(("pause", 1))
-
-    def step(self, frames: int) -> None:
-        self.pressed.append(("step", frames))
-
-    def seek(self, seconds: float) -> None:
-        self.pressed.append(("seek", seconds))
-
-
-def test_a_source_with_buttons_gets_them_pressed(room: Room) -> None:
-    begin(room)
-    room.capture.transport = buttons = Buttons()
-    for order in (
-        Order("play"),
-        Order("play", 1.0),
-        Order("step", -1.0, relative=True),
-        Order("seek", 5.0, relative=True),
-        Order("seek", 99.0),
-    ):
-        room.session.obey(order)
-    assert buttons.pressed == [("pause", 1), ("play", 1), ("step", -1), ("seek", 8.0), ("seek", 10.0)]
-    assert not room.session.state.frozen
-
-
-def test_a_source_that_is_opened_later_loops_as_the_switch_says(room: Room) -> None:
-    begin(room)
-    for looping in (False, True):
-        room.session.obey(Order("loop"))
-        room.capture.transport = buttons = Buttons()
-        buttons.loop = not looping
-        turn(room.session)
-        assert buttons.loop is room.session.state.loop is looping
-
-
-@pytest.mark.parametrize(
-    "order",
-    [Order("open", "clip.mp4"), Order("camera"), Order("demo"), Order("no_source")],
-    ids=lambda order: order.name,
-)
-def test_another_source_moves_though_the_last_one_was_frozen(order: Order, room: Room) -> None:
-    begin(room)
-    room.session.obey(Order("play", 0.0))
-    assert room.session.state.frozen
-    room.session.obey(order)
-    assert not room.session.state.frozen
-
-
-@pytest.mark.parametrize("word", ["osc:99999999", "other.gem"])
-def test_what_changes_no_source_leaves_it_frozen(word: str, room: Room) -> None:
-    begin(room)
-    room.session.obey(Order("play", 0.0))
-    room.session.obey(Order("open", word))
-    assert room.session.state.frozen
-
-
-def test_what_is_frozen_while_it_is_opened_is_paused_once_it_can_be(room: Room) -> None:
-    begin(room)
-    room.session.obey(Order("play"))
-    room.capture.transport = buttons = Buttons()
-    turn(room.session)
-    assert buttons.pressed == [("pause", 1)]
-    assert not room.session.state.frozen
-
-
-def test_a_frozen_picture_goes_on_to_outputs_and_can_be_saved(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session_module, "REPEAT_SECS", 0.01)
-    begin(room)
-    room.session.obey(Order("play"))
-    room.capture.post(1.0)
-    still = turn(room.session)
-    assert turn(room.session) is None  # nobody listens: nothing is drawn
-    room.session.obey(Order("picture"))
-    until(room.session, lambda: bool(list(room.folder.glob("*.png"))))
-    spy = Spy([])
-    room.session.outputs.fan.start("spy", lambda: spy)
-    until(room.session, lambda: len(spy.got) > 2)
-    assert all(np.array_equal(shown.picture, still) for shown in spy.got)
-
-
-def test_a_recording_lasts_until_it_is_stopped_though_the_picture_was_frozen(room: Room) -> None:
-    begin(room)
-    room.session.obey(Order("play"))
-    turn(room.session)
-    begun = time.perf_counter()
-    room.session.obey(Order("record"))
-    turn(room.session)
-    time.sleep(0.2)
-    room.session.obey(Order("record"))
-    secs = time.perf_counter() - begun
-    turn(room.session)
-    assert room.session.outputs.fan.close(20)
-    with av.open(str(next(room.folder.glob("*.mp4")))) as container:
-        times = [float(frame.pts * frame.time_base) for frame in container.decode(video=0)]
-    assert times[-1] == pytest.approx(secs, abs=0.1)
 
 
 def test_a_camera_is_remembered_by_its_name_once_it_shows_a_picture(room: Room) -> None:

@@ -30,9 +30,9 @@ def mirror(name: str) -> Mirror:
 def shown(name: str, coefficients: np.ndarray) -> Reading:
     before = mirror(name)
     before.restart()
-    readings = [before.read(before.draw(coefficients, np.zeros(3))) for _ in range(LOOKS)]
-    assert readings[-1] is not None
-    return readings[-1]
+    reading = before.read(before.draw(coefficients, np.zeros(3)), LOOKS)
+    assert reading is not None
+    return reading
 
 
 @cache

@@ -1,0 +1,71 @@
+"""How the tracker reads an avatar's single shapes, drawn from nothing to full, and whether lids that fall turn its
+eyes.
+
+    python tests/bench/shapes.py [AVATAR.gem ...]
+
+A shape that reads as nothing over half its way, and as all of itself soon after, cannot be steered: from the first
+table models/heads/people.py has how faces rest, and how far their shapes go. In the second, eyes look straight ahead
+and are half shut. In a mirror what the face does turns around and what the tracker errs by does not: half of the
+difference is the face's.
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from gemheads.models.crossing.channels import SCORE_CHANNELS, table
+from gemheads.models.crossing.mirror import LOOKS, Mirror
+from gemheads.models.crossing.reading import Image, Reading, stacked
+from gemheads.models.gemfile import load_gem
+from gemheads.models.heads.expressions import weights_of
+
+ROOT = Path(__file__).resolve().parents[2]
+SIZE = 384
+SHAPES = ("jawOpen", "mouthSmile", "mouthPucker", "eyeBlink", "browInnerUp", "browDown")
+WEIGHTS = (0.25, 0.5, 0.75, 1.0)
+HALF_SHUT = 0.5
+CHANNELS = [channel.name for channel in SCORE_CHANNELS]
+
+
+def main() -> None:
+    """The command; see ``--help``."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("avatars", nargs="*", type=Path, default=sorted((ROOT / "assets" / "avatars").glob("*.gem")))
+    mirrors = [Mirror(load_gem(path), SIZE) for path in parser.parse_args().avatars]
+    print(
+        f"| avatar | shape | {' | '.join(f'at {weight:g}' for weight in WEIGHTS)} |\n|---|---|{'---|' * len(WEIGHTS)}"
+    )
+    for mirror in mirrors:
+        rest = seen(mirror, drawn(mirror))
+        for shape in SHAPES:
+            at = [channel(shape, seen(mirror, drawn(mirror, **{shape: weight})), rest) for weight in WEIGHTS]
+            print(f"| {mirror.gem.name} | {shape} | {' | '.join(f'{one:.2f}' for one in at)} |")
+    print("\n| half shut | looks aside by | in a mirror by | of it the face's |\n|---|---|---|---|")
+    for mirror in mirrors:
+        rest, half = drawn(mirror), drawn(mirror, eyeBlink=HALF_SHUT)
+        plain, mirrored = (
+            channel("gaze horizontal", seen(mirror, half[:, ::way]), seen(mirror, rest[:, ::way])) for way in (1, -1)
+        )
+        print(f"| {mirror.gem.name} | {plain:+.2f} | {mirrored:+.2f} | {(plain - mirrored) / 2:+.2f} |")
+
+
+def drawn(mirror: Mirror, **weights: float) -> Image:
+    """The avatar's expression from the front."""
+    return mirror.draw(mirror.gem.arkit_coefficients(weights_of(**weights)), np.zeros(3))
+
+
+def seen(mirror: Mirror, picture: Image) -> Reading:
+    """What a tracker that has settled on the picture reads."""
+    mirror.restart()
+    reading = mirror.read(np.ascontiguousarray(picture), LOOKS)
+    assert reading is not None, f"{mirror.gem.name} is not seen"
+    return reading
+
+
+def channel(name: str, reading: Reading, rest: Reading) -> float:
+    """What one channel of the closed loop says of a picture."""
+    return float(table(stacked([reading]), rest)[0, CHANNELS.index(name)])
+
+
+if __name__ == "__main__":
+    main()
