@@ -60,6 +60,9 @@ class Person:
     """The white of the eyes, linear light; beside dark skin a bright one would stare."""
     enamel: float = 1.0
     """How bright the teeth are, 1 as beside dark skin: as bright as that they look grey beside fair skin."""
+    even_eyes: float = 0.0
+    """How alike the skin around both eyes is, light and all, 0..1: where one lid was brighter than the other, the
+    tracker saw eyes turn aside as they shut."""
     freckles: float = 0.0
     """0..1"""
     stubble: float = 0.0
@@ -191,13 +194,17 @@ JONAH = Person(
     brow_color=(0.07, 0.05, 0.045),
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
     seed=37,
+    splats=21_800,
     lip=(0.35, 0.20, 0.18),
     lip_gloss=0.2,
+    even_eyes=1.0,
     stubble=0.35,
+    # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late
     rest=RELAXED
-    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32}
-    | {"mouthClose": 0.07, "mouthRollUpper": 0.15, "mouthRollLower": 0.1},
-    gain=_paired({"mouthUpperUp": 1.5}) | {"browInnerUp": 1.3, "mouthPucker": 1.3},
+    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
+    | {"mouthRollUpper": 0.2, "mouthRollLower": 0.15},
+    gain=_paired({"browDown": 1.25, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
+    | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
 
 LIN = Person(

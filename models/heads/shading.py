@@ -1,6 +1,7 @@
 """Colour of every point of the head: albedo, baked light, sheen, eyes, teeth, cloth."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from .light import KEY, bake, part_of_vertex
 from .maps import encoded, linear, load_map, sample_map
 from .noise import value_noise
 from .people import Person
+from .sides import Sides, around_eyes, sides_of
 from .skin import SkinMaps, albedo, load_skin_maps, mouth_shade, points_of
 from .teeth import paint_teeth
 
@@ -55,6 +57,22 @@ class Shader:
 
     def color(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
         """sRGB [N, 3] of points given by triangle [N] and barycentric weights [N, 3]; not for hair and lashes."""
+        color = self._lit(faces, weights)
+        if not self.person.even_eyes:
+            return color
+        _, canvas, _ = points_of(self.head, faces, weights)
+        even = self.person.even_eyes * around_eyes(canvas) * (self.head.parts[faces] == SKIN)
+        on = even > 1e-3
+        across = self._lit(*self._sides.across(faces[on], weights[on]))
+        color[on] += even[on, None] / 2 * (across - color[on])
+        return color
+
+    @cached_property
+    def _sides(self) -> Sides:
+        return sides_of(self.head.canvas, self.head.triangles)
+
+    def _lit(self, faces: NDArray[np.int64], weights: Floats) -> Floats:
+        """As ``color``, each side of the face by itself."""
         head = self.head
         _, canvas, normal = points_of(head, faces, weights)
         light = (self.light[head.triangles[faces]] * weights[..., None]).sum(1)
