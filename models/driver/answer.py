@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gem import Gem
+from .axes import drawn_turn
 from .baseline import baseline_weights
 from .nodding import nodding_of
 
@@ -20,10 +21,16 @@ class Answer:
     coefficients: Floats
     """[coefficients] the expression."""
     turn: Floats
-    """[3] how the head turns from its rest, a rotation vector in radians: the driver's rotation, less what an
-    expression only seems to turn."""
+    """[3] how the head turns from its rest, a rotation vector in radians: so that the driver's rotation is read on it,
+    less what an expression only seems to turn."""
     misread: Floats = field(default_factory=lambda: np.zeros(3))
-    """[3] radians that were taken off what was read on the driver."""
+    """[3] radians by which it would turn further without what was taken off."""
+
+    @classmethod
+    def seen_as(cls, coefficients: Floats, rotation: Floats, turn: Floats) -> "Answer":
+        """Of a driver on whom ``rotation`` [3] is read, ``turn`` [3] when what only seems to turn is taken off."""
+        drawn = drawn_turn(turn)
+        return cls(coefficients, drawn, drawn_turn(rotation) - drawn)
 
 
 Express = Callable[[Floats, Floats], Answer]
@@ -38,7 +45,6 @@ def by_scores(gem: Gem) -> Express:
 
     def answer(features: Floats, rotation: Floats) -> Answer:
         coefficients = gem.clamped(gem.arkit_coefficients(baseline_weights(features)))
-        turn = nodding.taken_off(rotation, coefficients)
-        return Answer(coefficients, turn, rotation - turn)
+        return Answer.seen_as(coefficients, rotation, nodding.taken_off(rotation, coefficients))
 
     return answer

@@ -124,7 +124,7 @@ class Regressor:
             turn = rotation + np.clip(turns[0] - rotation, -MOST_OFF, MOST_OFF)
         else:
             turn = rotation if self._nodding is None else self._nodding.taken_off(rotation, coefficients)
-        return Answer(coefficients, turn, rotation - turn)
+        return Answer.seen_as(coefficients, rotation, turn)
 
 
 def _briefly(values: object) -> str:

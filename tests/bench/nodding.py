@@ -1,10 +1,12 @@
-"""What expressions seem to nod: how far the tracker reads pitch off, shape by shape, and what taking it off gives.
+"""How far the tracker reads a head's turn off: by expressions, which seem to nod, and by axes that lean.
 
     python tests/bench/nodding.py [AVATAR.gem ...]
 
 The first table is where models/driver/nodding.py has its figures from: random faces of each avatar, its head still,
-ridge regression of the pitch that is read on their ARKit weights. In the second each avatar plays the driver of the
-others, with random faces and turns that are known.
+ridge regression of the pitch that is read on their ARKit weights. The second is where models/driver/axes.py has its
+figures from: faces at rest, random turns, least squares of what is read on what was drawn and its products; and the
+error (RMS) when the turn is drawn as it shall be read, and when drawn_turn says how. In the third each avatar plays
+the driver of the others, with random faces and turns that are known.
 """
 
 import argparse
@@ -15,6 +17,7 @@ import numpy as np
 from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.crossing.reading import Reading
+from gemheads.models.driver.axes import drawn_turn
 from gemheads.models.driver.features import relative_rotation
 from gemheads.models.driver.nodding import READ_AS_PITCH_DEG
 from gemheads.models.driver.regressor import Regressor
@@ -26,6 +29,8 @@ SHIPPED = Path(__file__).parents[2] / "assets" / "avatars"
 SIZE, LOOKS = 384, 2
 TURNS = np.radians([7.0, 10.0, 4.0])
 """Standard deviations of pitch, yaw and roll of those who play drivers."""
+FARTHEST = np.radians([15.0, 25.0, 12.0])
+"""To which faces at rest turn."""
 BEYOND = 0.3
 """Radians; a reading so far off is a face that was lost."""
 RIDGE = 0.5
@@ -36,10 +41,12 @@ LEAST_DEG = 0.5
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("avatars", nargs="*", type=Path, default=sorted(SHIPPED.glob("*.gem")))
+    parser.add_argument("--heads", nargs="*", type=Path, default=[], help="more .gem files, for the second table alone")
     parser.add_argument("--faces", type=int, default=500)
     asked = parser.parse_args()
     mirrors = {path.stem: Mirror(load_gem(path), SIZE) for path in asked.avatars}
     read_off(mirrors, asked.faces)
+    about_axes(mirrors | {path.stem: Mirror(load_gem(path), SIZE) for path in asked.heads}, asked.faces // 2)
     driven(mirrors, asked.faces // 2)
 
 
@@ -58,13 +65,50 @@ def read_off(mirrors: dict[str, Mirror], faces: int) -> None:
             print(f"| {NAMES[place]} | {cells} | {READ_AS_PITCH_DEG.get(NAMES[place], 0):+.1f} |")
 
 
+def about_axes(mirrors: dict[str, Mirror], turns: int) -> None:
+    """What is read of turns of a face at rest: how much of a unit of roll as yaw, of yaw as roll, of pitch times yaw as
+    yaw; and errors of pitch, yaw and roll (RMS, degrees)."""
+    print("\n| head | yaw of roll | roll of yaw | yaw of both | drawn as it shall be read | by drawn_turn |")
+    print(f"|{'---|' * 6}")
+    for name, mirror in mirrors.items():
+        shall = np.random.default_rng(3).uniform(-1, 1, (turns, 3)) * FARTHEST
+        plain, seen = at_rest(mirror, shall)
+        products = [shall[:, i] * shall[:, j] for i in range(3) for j in range(i, 3)]
+        terms = np.stack([*shall.T, *products], 1)
+        found = np.linalg.lstsq(terms[seen], plain[seen], rcond=None)[0]
+        better, also = at_rest(mirror, np.stack([drawn_turn(turn) for turn in shall]))
+        errors = [np.degrees(rms((one - shall)[seen & also])) for one in (plain, better)]
+        leans = " | ".join(f"{one:+.3f}" for one in (found[2, 1], found[1, 2], found[4, 1]))
+        print(f"| {name} | {leans} | {' | '.join(three(error) for error in errors)} |")
+
+
+def at_rest(mirror: Mirror, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of a face at rest what is read [F, 3] of these turns [F, 3], and whether a face was found [F]."""
+    rest, read = mirror.neutral(), np.full(turns.shape, np.nan)
+    for place, turn in enumerate(turns):
+        mirror.restart()
+        reading = mirror.read(mirror.draw(mirror.gem.rest_coefficients, turn), LOOKS)
+        if reading is not None:
+            read[place] = relative_rotation(reading.rotation, rest.rotation)
+    return read, np.abs(read - turns).max(1) < BEYOND
+
+
 def driven(mirrors: dict[str, Mirror], faces: int) -> None:
-    """Standard deviation of the error of the pitch, degrees."""
-    print("\n| driver | avatar | as it is read | without what seems to nod |\n|---|---|---|---|")
+    """By how much pitch, yaw and roll of driver and avatar differ (RMS about the mean, degrees)."""
+    print("\n| driver | avatar | as it is read | as the avatar turns |\n|---|---|---|---|")
     for driver, avatar in permutations(mirrors, 2):
         express, acted = Regressor.of(mirrors[avatar].gem), shown(mirrors[driver], faces, 9, TURNS)
-        errors = [(turn[0] - turned[0], express(read, turn).turn[0] - turned[0]) for _, turned, turn, read in acted]
-        print(f"| {driver} | {avatar} | {' | '.join(f'{one:.2f}' for one in np.degrees(np.std(errors, axis=0)))} |")
+        errors = [(turn - turned, express(read, turn).turn - turned) for _, turned, turn, read in acted]
+        print(f"| {driver} | {avatar} | {' | '.join(three(one) for one in np.degrees(np.std(errors, axis=0)))} |")
+
+
+def rms(errors: np.ndarray) -> np.ndarray:
+    """[3] of [F, 3]."""
+    return np.asarray(np.sqrt(np.mean(np.square(errors), 0)))
+
+
+def three(degrees: np.ndarray) -> str:
+    return " ".join(f"{one:.2f}" for one in degrees)
 
 
 def shown(mirror: Mirror, faces: int, seed: int, spread: np.ndarray) -> list[tuple[np.ndarray, ...]]:

@@ -8,6 +8,7 @@ import pytest
 from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.answer import by_scores
+from gemheads.models.driver.axes import drawn_turn
 from gemheads.models.driver.features import DIMENSION, relative_rotation, score
 from gemheads.models.driver.nodding import MOST_DEG, READ_AS_PITCH_DEG, nodding_of
 from gemheads.models.gemfile import load_gem
@@ -83,7 +84,7 @@ def test_the_baseline_turns_as_far_as_the_expression_leaves() -> None:
     features = np.zeros(DIMENSION)
     score(features, "browInnerUp")[...] = 1.0
     answer = by_scores(gem)(features, TURN)
-    np.testing.assert_array_equal(answer.turn, nodding_of(gem).taken_off(TURN, answer.coefficients))
+    np.testing.assert_array_equal(answer.turn, drawn_turn(nodding_of(gem).taken_off(TURN, answer.coefficients)))
     assert answer.turn[0] > TURN[0] + np.radians(1.5)
     mirror = Mirror(gem, 64)
     np.testing.assert_array_equal(mirror.follow(answer), mirror.draw(answer.coefficients, answer.turn))

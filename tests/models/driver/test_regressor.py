@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import onnx
 import pytest
+from gemheads.models.driver.axes import drawn_turn
 from gemheads.models.driver.features import DIMENSION, FEATURE_VERSION
 from gemheads.models.driver.nodding import Nodding
 from gemheads.models.driver.regressor import (
@@ -80,11 +81,11 @@ def test_what_is_not_finite_gives_the_last_good_answer(bad: float) -> None:
     good = regressor(np.zeros(DIMENSION), np.ones(3))
     answer = regressor(np.zeros(DIMENSION), np.full(3, bad))
     np.testing.assert_array_equal(answer.coefficients, good.coefficients)
-    np.testing.assert_array_equal(answer.turn, np.ones(3))
+    np.testing.assert_array_equal(answer.turn, drawn_turn(np.ones(3)))
     answer.coefficients[:] = answer.turn[:] = 0  # the caller's copy is its own
     again = regressor(np.full(DIMENSION, bad), np.zeros(3))
     np.testing.assert_array_equal(again.coefficients, good.coefficients)
-    np.testing.assert_array_equal(again.turn, np.ones(3))
+    np.testing.assert_array_equal(again.turn, drawn_turn(np.ones(3)))
     assert regressor.failures == 3
 
 
@@ -101,10 +102,13 @@ def test_other_features_are_refused() -> None:
 def test_the_head_turns_as_was_read_without_what_the_expression_only_seems_to_nod() -> None:
     features, rotation = np.zeros(DIMENSION), np.array([0.1, 0.2, 0.3])
     plain = Regressor(graph().SerializeToString())(features, rotation)
-    np.testing.assert_allclose(plain.turn, rotation, rtol=1e-6)
+    np.testing.assert_allclose(plain.turn, drawn_turn(rotation), rtol=1e-6)
+    np.testing.assert_array_equal(plain.misread, np.zeros(3))
     nodding = Nodding(np.zeros(COEFFICIENTS), np.full(COEFFICIENTS, 0.01))
     upright = Regressor(graph().SerializeToString(), nodding=nodding)(features, rotation)
-    np.testing.assert_allclose(upright.turn, [0.1 - 0.01 * plain.coefficients.sum(), 0.2, 0.3], rtol=1e-5)
+    left = np.array([0.1 - 0.01 * plain.coefficients.sum(), 0.2, 0.3])
+    np.testing.assert_allclose(upright.turn, drawn_turn(left), rtol=1e-5)
+    np.testing.assert_allclose(upright.turn + upright.misread, plain.turn, rtol=1e-6)
 
 
 def turning(per_radian: float, width: int = 3) -> onnx.ModelProto:
@@ -120,13 +124,13 @@ def test_a_graph_may_say_how_the_head_turns_and_then_nothing_else_is_taken_off()
     nodding = Nodding(np.zeros(COEFFICIENTS), np.full(COEFFICIENTS, 0.01))
     regressor = Regressor(turning(1.5).SerializeToString(), COEFFICIENTS, nodding)
     answer = regressor(np.zeros(DIMENSION), np.array([0.1, 0.2, -0.3]))
-    np.testing.assert_allclose(answer.turn, [0.15, 0.3, -0.45], rtol=1e-6)
+    np.testing.assert_allclose(answer.turn, drawn_turn(np.array([0.15, 0.3, -0.45])), rtol=1e-6)
 
 
 def test_no_graph_turns_a_head_far_from_what_was_read() -> None:
     regressor = Regressor(turning(-30).SerializeToString())
     answer = regressor(np.zeros(DIMENSION), np.array([0.0, 0.5, -0.5]))
-    np.testing.assert_allclose(answer.turn, [0, 0.5 - MOST_OFF, MOST_OFF - 0.5], rtol=1e-6)
+    np.testing.assert_allclose(answer.turn, drawn_turn(np.array([0, 0.5 - MOST_OFF, MOST_OFF - 0.5])), rtol=1e-6)
 
 
 def test_a_turn_that_is_not_finite_gives_the_last_good_answer() -> None:
