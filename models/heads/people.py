@@ -135,11 +135,12 @@ MARA = Person(
     enamel=1.35,
     freckles=0.6,
     brow_lift=0.0027,
+    # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none
     rest=RELAXED
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0, "browDownLeft": 0.1, "browDownRight": 0.1}
-    | {"mouthClose": 0.07, "mouthRollUpper": 0.1},
-    gain=_paired({"mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}),
+    | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
+    gain=_paired({"mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}) | {"browInnerUp": 1.2},
 )
 
 THEO = Person(
@@ -168,7 +169,7 @@ THEO = Person(
     wrinkles=1.0,
     brow_lift=0.002,
     rest=RELAXED
-    # a wide mouth at rest was far from any kiss: half a pucker read as hardly one
+    # so was his: half of one read as hardly one
     | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.15}
     | {"browInnerUp": 0.05, "browOuterUpLeft": 0.30, "browOuterUpRight": 0.30},
     gain=_paired({"browOuterUp": 1.4, "browDown": 1.35, "mouthUpperUp": 2.1, "mouthFrown": 1.6})

@@ -22,15 +22,16 @@ SHARED = ("lower", "upper", "rest", "to_coefficients", "limit", "straight", "lea
 """Buffers that are the avatar's: the same in all its networks."""
 
 
-def export_onnx(members: Sequence[RegressorNetwork], pose: PoseResponse | None = None) -> bytes:
+def export_onnx(members: Sequence[RegressorNetwork], poses: Sequence[PoseResponse] = ()) -> bytes:
     """The graph: float32 ``relative_features`` [1, D] and ``head_rotation`` [1, 3] (radians) in, ``coefficients``
-    [1, coefficients] out, already inside +-3 sigma, and ``head_turn`` [1, 3] (radians) where ``pose`` is given.
+    [1, coefficients] out, already inside +-3 sigma, and ``head_turn`` [1, 3] (radians) where ``poses`` are given.
     Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Sigmoid Tanh Mul Add Div.
 
     Args:
         members: networks for the same avatar; the mean of the control weights that they answer counts. What they
             learned is kept in float16.
-        pose: what an expression adds to the turn that is read; None: the head turns as what is read on the driver.
+        poses: what an expression adds to the turn that is read, the mean of which counts; none: the head turns as what
+            is read on the driver.
     """
     graph = Graph()
     features, rotation = FEATURES_INPUT, ROTATION_INPUT
@@ -40,18 +41,17 @@ def export_onnx(members: Sequence[RegressorNetwork], pose: PoseResponse | None =
     answers = [
         _answer(graph, heeded, turn, f"member_{number}_", member, shared) for number, member in enumerate(members)
     ]
-    total = answers[0]
-    for answer in answers[1:]:
-        total = graph.node("Add", total, answer)
-    weights = graph.node("Mul", total, graph.constant("share", np.float32(1 / len(members))))
+    weights = _mean(graph, answers, "share")
     offset = graph.node("MatMul", weights, graph.constant("to_coefficients", shared["to_coefficients"]))
     free = graph.node("Add", offset, graph.constant("rest", shared["rest"]))
     limit = graph.constant("limit", shared["limit"])
     squashed = _squashed(graph, graph.node("Div", free, limit), shared["straight"])
     graph.nodes.append(helper.make_node("Mul", [squashed, limit], [OUTPUT], name=OUTPUT))
     outputs = {OUTPUT: len(shared["rest"])}
-    if pose is not None:
-        _drawn_turn(graph, weights, rotation, pose)
+    if poses:
+        each = [_added(graph, weights, rotation, f"pose_{number}_", pose) for number, pose in enumerate(poses)]
+        added = _mean(graph, each, "poses_share")
+        graph.nodes.append(helper.make_node("Sub", [rotation, added], [TURN_OUTPUT], name=TURN_OUTPUT))
         outputs[TURN_OUTPUT] = 3
     made = helper.make_graph(
         graph.nodes,
@@ -68,6 +68,14 @@ def export_onnx(members: Sequence[RegressorNetwork], pose: PoseResponse | None =
     helper.set_model_props(model, {VERSION_KEY: str(FEATURE_VERSION)})
     onnx.checker.check_model(model)
     return model.SerializeToString(deterministic=True)
+
+
+def _mean(graph: Graph, values: Sequence[str], share: str) -> str:
+    """Of several values; ``share`` is what the constant is called."""
+    total = values[0]
+    for value in values[1:]:
+        total = graph.node("Add", total, value)
+    return graph.node("Mul", total, graph.constant(share, np.float32(1 / len(values))))
 
 
 def _squashed(graph: Graph, free: str, straight: NDArray[np.float32]) -> str:
@@ -129,10 +137,10 @@ def _answer(
     return graph.clipped(graph.node("Add", start, moved), lower, upper)
 
 
-def _drawn_turn(graph: Graph, weights: str, rotation: str, pose: PoseResponse) -> None:
-    """The turn with which ``rotation`` is read on the avatar, see PoseResponse.turn, as TURN_OUTPUT."""
+def _added(graph: Graph, weights: str, rotation: str, prefix: str, pose: PoseResponse) -> str:
+    """What the expression adds to the turn with which ``rotation`` is read on the avatar, see PoseResponse.turn."""
     learned = {name: tensor.detach().cpu().numpy() for name, tensor in pose.state_dict().items()}
-    own = {name: graph.learned(f"pose_{name}", array) for name, array in learned.items() if name != "farthest"}
+    own = {name: graph.learned(f"{prefix}{name}", array) for name, array in learned.items() if name != "farthest"}
     farthest = [graph.constant(f"pose_{end}", sign * learned["farthest"]) for end, sign in ENDS]
     most = [graph.constant(f"misread_{end}", np.float32(sign * MOST)) for end, sign in ENDS]
     straight = graph.node("Gemm", weights, own["linear.weight"], transB=1)
@@ -144,14 +152,14 @@ def _drawn_turn(graph: Graph, weights: str, rotation: str, pose: PoseResponse) -
             hidden = graph.node("Gemm", shared, own[f"bend.{layer}.weight"], own[f"bend.{layer}.bias"], transB=1)
         return hidden
 
-    drawn = rotation
-    for time in range(TIMES):
+    def added_at(drawn: str) -> str:
         wide = graph.node("Div", graph.clipped(drawn, *farthest), graph.constant("typical", np.float32(TYPICAL)))
         turned = graph.node("Gemm", wide, own["rotation.weight"], own["rotation.bias"], transB=1)
         beyond = graph.node("Sub", bent(graph.node("Add", turned, expression)), bent(turned))
         added = graph.node("Mul", graph.node("Add", straight, beyond), graph.constant("misread_unit", np.float32(UNIT)))
-        added = graph.clipped(added, *most)
-        if time < TIMES - 1:
-            drawn = graph.node("Sub", rotation, added)
-        else:
-            graph.nodes.append(helper.make_node("Sub", [rotation, added], [TURN_OUTPUT], name=TURN_OUTPUT))
+        return graph.clipped(added, *most)
+
+    added = added_at(rotation)
+    for _ in range(TIMES - 1):
+        added = added_at(graph.node("Sub", rotation, added))
+    return added

@@ -53,6 +53,9 @@ would find out where a single one errs. Of strangers, one says what to do."""
 COMMITTEE = 3
 """So many networks ship, each trained from random numbers of its own; the mean of their answers counts, in which what
 only one of them sees in a face it never saw is a third."""
+POSES = 4
+"""So many models of what its expressions add to the turn of its head ship: in their mean, what each learned of noise by
+heart is a quarter."""
 Progress = Callable[[str, int, int], None]
 
 
@@ -185,8 +188,8 @@ def regressor_for(
     school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
-    pose = fit_pose_response(own, brief, seed)
-    return export_onnx(members, pose), TrainingReport(len(own), r2, before, school.mismatch(members))
+    poses = [fit_pose_response(own, steps, seed + one) for one in range(POSES)]
+    return export_onnx(members, poses), TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
 def _practised(gem: Gem) -> Former | None:
