@@ -2,8 +2,8 @@
 
 The face tracker reads the turn of a face against its line of sight, and a face stands below the middle of its portrait:
 whoever turns aside seems to tilt a little as well, whoever tilts, to turn. That is the turn about axes that lean
-forward. It was the same on all heads that were looked at, so it belongs to the tracker and the portrait
-(tests/bench/nodding.py).
+forward: to one side and by a few degrees on each of five heads, so a matter of the tracker and the portrait.
+``tests/bench/nodding.py --heads`` prints by how much on which; here are the means.
 """
 
 import cv2
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.floating]
 
 LEAN_DEG = 3.2
-"""By which the axes lean; of 20 degrees aside 1.1 seem to tilt the head."""
+"""By which the axes lean: who looks aside by 20 degrees seems to tilt by 1.1."""
 YAW_LOST = 0.17
 """How much less of a yaw is read for a radian by which the head looks down, more where it looks up."""
 MOST_LOST = 0.05
