@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from ..models.gem import Gem
 from ..models.gemfile import load_gem, read_info, save_gem
 from .errors import ExitCode, InputError, UsageError
 from .jobs import affordable_jobs, check_jobs
@@ -28,13 +29,14 @@ class TrainingWish:
     seed: int = 0
     jobs: int | None = None
     """Processes; None: as many as are worth it."""
+    turns_only: bool = False
+    """Whether only how the head turns is learned."""
 
 
 def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode:
-    """Train the regressor of an avatar file and save the avatar with it. Raises CommandError."""
+    """Train an avatar file's regressor, or how its head turns, and save the avatar with it. Raises CommandError."""
     try:
         from ..models.train.response import AvatarNotSeen
-        from ..models.train.train_regressor import train_regressor
         from ..models.train.workers import WorkerLost
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
@@ -47,27 +49,57 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
     out = out or avatar
     check_places(out)
     try:
-        with ProgressBar() as bar:
-            gem, report = train_regressor(
-                avatar,
-                companions=wish.companions,
-                videos=wish.videos,
-                former=wish.former,
-                pictures=wish.pictures,
-                steps=wish.steps,
-                seed=wish.seed,
-                progress=bar.reach,
-                jobs=processes(wish.jobs),
-            )
+        gem, told = (_turns if wish.turns_only else _regressor)(avatar, wish)
     # a ValueError is a GemFormatError, a RegressorError, or what is wrong with a video
     except (ValueError, AvatarNotSeen, WorkerLost) as error:
         raise InputError(str(error)) from error
     save_learned(partial(save_gem, gem, basis=read_info(avatar).card.basis), out)
-    print(
-        f"{out}: regressor trained on {report.pictures} pictures; the avatar's response is known to"
+    print(f"{out}: {told}")
+    return ExitCode.OK
+
+
+def _regressor(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
+    """The avatar with a regressor, and what is said of it."""
+    from ..models.train.train_regressor import train_regressor
+
+    with ProgressBar() as bar:
+        gem, report = train_regressor(
+            avatar,
+            companions=wish.companions,
+            videos=wish.videos,
+            former=wish.former,
+            pictures=wish.pictures,
+            steps=wish.steps,
+            seed=wish.seed,
+            progress=bar.reach,
+            jobs=processes(wish.jobs),
+        )
+    return gem, (
+        f"regressor trained on {report.pictures} pictures; the avatar's response is known to"
         f" R2 {report.response_r2:.2f}; mismatch with people {report.start_mismatch:.2f} -> {report.end_mismatch:.2f}"
     )
-    return ExitCode.OK
+
+
+def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
+    """The avatar with what it learned of its turns, and what is said of that."""
+    from ..models.train.train_turns import train_turns
+
+    with ProgressBar() as bar:
+        gem, turns = train_turns(
+            avatar,
+            companions=wish.companions,
+            videos=wish.videos,
+            pictures=wish.pictures,
+            steps=wish.steps,
+            seed=wish.seed,
+            progress=bar.reach,
+            jobs=processes(wish.jobs),
+        )
+    before, after = (" ".join(f"{angle:.2f}" for angle in angles) for angles in (turns.missed_deg, turns.left_deg))
+    return gem, (
+        f"turns learned of {turns.portraits} portraits; pitch, yaw and roll are misread by {before} degrees (RMS), of"
+        f" which {after} are not known"
+    )
 
 
 def check_learning(steps: int, seed: int, jobs: int | None) -> None:

@@ -168,6 +168,7 @@ def train_regressor(
     companions: Annotated[list[str] | None, Parameter(consume_multiple=True)] = None,
     rehearse_with: str | None = None,
     take_over: str | None = None,
+    turns_only: bool = False,
     pictures: int = 4000,
     steps: int | None = None,
     seed: int = 0,
@@ -188,6 +189,8 @@ def train_regressor(
             learn how that reads on it. Default: what it has learned before, if it has.
         take_over: An avatar with ARKit shapes and a regressor: this one does what it has learned, and nothing is
             trained; for an avatar that was baked anew and reads as before.
+        turns_only: Learn anew how the avatar's head turns, and leave what it answers to faces as it is; for an avatar
+            that has a regressor.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps of a network. Default: 9,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
@@ -206,7 +209,7 @@ def train_regressor(
 
     path = find_avatar(avatar)
     if take_over is not None:
-        if sources or rehearse_with or labels or report or strip:
+        if sources or rehearse_with or turns_only or labels or report or strip:
             raise UsageError("--take-over trains nothing; leave out captures, videos and what else training takes")
         return run_taking_over(path, out, find_avatar(take_over))
     others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
@@ -219,8 +222,12 @@ def train_regressor(
             raise UsageError("--labels, --report and --strip need a capture; give its folder, too")
         former = None if rehearse_with is None else find_avatar(rehearse_with)
         lasting = TrainingWish.steps if steps is None else steps
-        wish = TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed, jobs)
+        if turns_only and former is not None:
+            raise UsageError("--turns-only rehearses nothing; leave out --rehearse-with")
+        wish = TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed, jobs, turns_only)
         return run_training(path, out, wish)
+    if turns_only:
+        raise UsageError("--turns-only does not go with a capture; leave out one of them")
     if rehearse_with is not None:
         raise UsageError("--rehearse-with does not go with a capture, whose own frames say how its person moves")
     if len(captures) > 1:

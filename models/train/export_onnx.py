@@ -3,35 +3,31 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import onnx
 from numpy.typing import NDArray
 from onnx import TensorProto, helper
 
 from ..driver.features import DIMENSION, FEATURE_VERSION, SCORES
-from ..driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT, TURN_OUTPUT, VERSION_KEY
+from ..driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT, VERSION_KEY
 from .leaks import FACTORS
 from .network import FACING, KAPPA_LIMIT, TURN_LIMIT, RegressorNetwork
-from .onnx_graph import Graph
-from .pose_response import MOST, TIMES, UNIT, PoseResponse
+from .onnx_graph import ENDS, Graph, written
 from .response import TYPICAL
 
 OPSET = 17
-ENDS = (("lower", -1), ("upper", 1))
-"""Of a range, and on which side of zero."""
+TO_COEFFICIENTS = "to_coefficients"
+"""The constant with which the control weights are multiplied; as it is called in the graph."""
 SHARED = ("lower", "upper", "rest", "to_coefficients", "limit", "straight", "least")
 """Buffers that are the avatar's: the same in all its networks."""
 
 
-def export_onnx(members: Sequence[RegressorNetwork], poses: Sequence[PoseResponse] = ()) -> bytes:
+def export_onnx(members: Sequence[RegressorNetwork]) -> bytes:
     """The graph: float32 ``relative_features`` [1, D] and ``head_rotation`` [1, 3] (radians) in, ``coefficients``
-    [1, coefficients] out, already inside +-3 sigma, and ``head_turn`` [1, 3] (radians) where ``poses`` are given.
-    Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Sigmoid Tanh Mul Add Div.
+    [1, coefficients] out, already inside +-3 sigma. Operators: Cast Sub MatMul Min Max Slice Concat Gemm Relu Tanh Mul
+    Add Div.
 
     Args:
         members: networks for the same avatar; the mean of the control weights that they answer counts. What they
             learned is kept in float16.
-        poses: what an expression adds to the turn that is read, the mean of which counts; none: the head turns as what
-            is read on the driver.
     """
     graph = Graph()
     features, rotation = FEATURES_INPUT, ROTATION_INPUT
@@ -41,18 +37,12 @@ def export_onnx(members: Sequence[RegressorNetwork], poses: Sequence[PoseRespons
     answers = [
         _answer(graph, heeded, turn, f"member_{number}_", member, shared) for number, member in enumerate(members)
     ]
-    weights = _mean(graph, answers, "share")
-    offset = graph.node("MatMul", weights, graph.constant("to_coefficients", shared["to_coefficients"]))
+    weights = graph.mean(answers, "share")
+    offset = graph.node("MatMul", weights, graph.constant(TO_COEFFICIENTS, shared["to_coefficients"]))
     free = graph.node("Add", offset, graph.constant("rest", shared["rest"]))
     limit = graph.constant("limit", shared["limit"])
     squashed = _squashed(graph, graph.node("Div", free, limit), shared["straight"])
     graph.nodes.append(helper.make_node("Mul", [squashed, limit], [OUTPUT], name=OUTPUT))
-    outputs = {OUTPUT: len(shared["rest"])}
-    if poses:
-        each = [_added(graph, weights, rotation, f"pose_{number}_", pose) for number, pose in enumerate(poses)]
-        added = _mean(graph, each, "poses_share")
-        graph.nodes.append(helper.make_node("Sub", [rotation, added], [TURN_OUTPUT], name=TURN_OUTPUT))
-        outputs[TURN_OUTPUT] = 3
     made = helper.make_graph(
         graph.nodes,
         "regressor",
@@ -60,22 +50,13 @@ def export_onnx(members: Sequence[RegressorNetwork], poses: Sequence[PoseRespons
             helper.make_tensor_value_info(features, TensorProto.FLOAT, [1, DIMENSION]),
             helper.make_tensor_value_info(rotation, TensorProto.FLOAT, [1, 3]),
         ],
-        [helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, width]) for name, width in outputs.items()],
+        [helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, [1, len(shared["rest"])])],
         graph.constants,
     )
     model = helper.make_model(made, opset_imports=[helper.make_opsetid("", OPSET)], producer_name="gemheads")
     model.ir_version = 8
     helper.set_model_props(model, {VERSION_KEY: str(FEATURE_VERSION)})
-    onnx.checker.check_model(model)
-    return model.SerializeToString(deterministic=True)
-
-
-def _mean(graph: Graph, values: Sequence[str], share: str) -> str:
-    """Of several values; ``share`` is what the constant is called."""
-    total = values[0]
-    for value in values[1:]:
-        total = graph.node("Add", total, value)
-    return graph.node("Mul", total, graph.constant(share, np.float32(1 / len(values))))
+    return written(model)
 
 
 def _squashed(graph: Graph, free: str, straight: NDArray[np.float32]) -> str:
@@ -135,31 +116,3 @@ def _answer(
             hidden = graph.node("Relu", hidden)
     moved = graph.node("Mul", graph.node("Tanh", hidden), graph.constant(f"{prefix}reach", own["reach"]))
     return graph.clipped(graph.node("Add", start, moved), lower, upper)
-
-
-def _added(graph: Graph, weights: str, rotation: str, prefix: str, pose: PoseResponse) -> str:
-    """What the expression adds to the turn with which ``rotation`` is read on the avatar, see PoseResponse.turn."""
-    learned = {name: tensor.detach().cpu().numpy() for name, tensor in pose.state_dict().items()}
-    own = {name: graph.learned(f"{prefix}{name}", array) for name, array in learned.items() if name != "farthest"}
-    farthest = [graph.constant(f"pose_{end}", sign * learned["farthest"]) for end, sign in ENDS]
-    most = [graph.constant(f"misread_{end}", np.float32(sign * MOST)) for end, sign in ENDS]
-    straight = graph.node("Gemm", weights, own["linear.weight"], transB=1)
-    expression = graph.node("Gemm", weights, own["expression.weight"], transB=1)
-
-    def bent(hidden: str) -> str:
-        for layer in (1, 3):
-            shared = graph.node("Mul", hidden, graph.node("Sigmoid", hidden))
-            hidden = graph.node("Gemm", shared, own[f"bend.{layer}.weight"], own[f"bend.{layer}.bias"], transB=1)
-        return hidden
-
-    def added_at(drawn: str) -> str:
-        wide = graph.node("Div", graph.clipped(drawn, *farthest), graph.constant("typical", np.float32(TYPICAL)))
-        turned = graph.node("Gemm", wide, own["rotation.weight"], own["rotation.bias"], transB=1)
-        beyond = graph.node("Sub", bent(graph.node("Add", turned, expression)), bent(turned))
-        added = graph.node("Mul", graph.node("Add", straight, beyond), graph.constant("misread_unit", np.float32(UNIT)))
-        return graph.clipped(added, *most)
-
-    added = added_at(rotation)
-    for _ in range(TIMES - 1):
-        added = added_at(graph.node("Sub", rotation, added))
-    return added

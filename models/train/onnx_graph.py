@@ -1,11 +1,15 @@
 """An ONNX graph as it is written, node by node: the same bytes from the same numbers."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import onnx
 from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
+
+ENDS = (("lower", -1), ("upper", 1))
+"""Of a range, and on which side of zero."""
 
 
 class Graph:
@@ -16,9 +20,23 @@ class Graph:
         self.constants: list[onnx.TensorProto] = []
         self._kept: dict[tuple[str, tuple[int, ...], bytes], str] = {}
 
+    @classmethod
+    def up_to(cls, output: str, model: onnx.ModelProto) -> "Graph":
+        """What a model needs for one of its outputs, to be written on."""
+        graph, needed = cls(), {output}
+        for node in reversed(model.graph.node):
+            if needed.intersection(node.output):
+                graph.nodes.insert(0, node)
+                needed.update(node.input)
+        for tensor in model.graph.initializer:
+            if tensor.name in needed:
+                graph.constants.append(tensor)
+                graph._kept.setdefault(_key(numpy_helper.to_array(tensor)), tensor.name)
+        return graph
+
     def constant(self, name: str, array: NDArray[Any] | np.generic) -> str:
         """Its name; float32, or whole numbers."""
-        key = (str(array.dtype), array.shape, array.tobytes())
+        key = _key(array)
         if key not in self._kept:
             self._kept[key] = name
             self.constants.append(numpy_helper.from_array(np.asarray(array), name))
@@ -40,6 +58,23 @@ class Graph:
         self.nodes.append(made)
         return output
 
+    def mean(self, values: Sequence[str], share: str) -> str:
+        """Of several values; ``share`` is what the constant is called."""
+        total = values[0]
+        for value in values[1:]:
+            total = self.node("Add", total, value)
+        return self.node("Mul", total, self.constant(share, np.float32(1 / len(values))))
+
     def clipped(self, value: str, lower: str, upper: str) -> str:
         """Between two constants."""
         return self.node("Min", self.node("Max", value, lower), upper)
+
+
+def written(model: onnx.ModelProto) -> bytes:
+    """The model's bytes. Raises an error of onnx's for one that is wrong."""
+    onnx.checker.check_model(model)
+    return model.SerializeToString(deterministic=True)
+
+
+def _key(array: NDArray[Any] | np.generic) -> tuple[str, tuple[int, ...], bytes]:
+    return str(array.dtype), array.shape, array.tobytes()

@@ -14,7 +14,7 @@ from ..driver.regressor import Regressor
 from ..gem import Gem
 from .controls import Controls
 from .network import RegressorNetwork
-from .response import Responses
+from .response import ITSELF, Responses, Sitting
 from .series import draw_series, in_series
 from .strangers import Crowd
 from .workers import ALONE, Workers
@@ -46,6 +46,7 @@ def rehearse(
     rng: np.random.Generator,
     progress: Callable[[int, int], None] = lambda done, total: None,
     workers: Workers = ALONE,
+    sitting: Sitting = ITSELF,
 ) -> Responses:
     """Draws and reads the avatar as it follows each moment of ``people`` with ``answers`` [S, E]. Raises
     AvatarNotSeen, WorkerLost."""
@@ -54,4 +55,4 @@ def rehearse(
     weights = np.clip(played, controls.lower, controls.upper).astype(np.float32)
     rotations = people.rotations.copy()
     rotations[rng.random(len(people)) < FRONTAL_SHARE] = 0
-    return draw_series(gem, controls, in_series(weights, rng, rotations), progress, workers)
+    return draw_series(gem, controls, in_series(weights, rng, rotations, sitting), progress, workers)

@@ -12,6 +12,7 @@ from ...render.camera import Camera, orbit
 from ...render.compositing import over
 from ...render.gaussians import RawGaussians
 from ...render.software import SoftwareEngine
+from ..driver.axes import drawn_turn
 from ..driver.face import FaceObservation, FaceTracker, looked
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..gem import Gem
@@ -51,7 +52,7 @@ class Responses:
     weights: NDArray[np.float32]
     """[S, E] control weights."""
     rotations: NDArray[np.float32]
-    """[S, 3] head rotation that was drawn: pitch, yaw, roll as a rotation vector, radians."""
+    """[S, 3] head rotation that was drawn, in portraits asked for: pitch, yaw, roll as a rotation vector, radians."""
     seen_rotations: NDArray[np.float32]
     """[S, 3] the rotation that the tracker reads, from that of the neutral: an expression may seem to nod."""
     features: NDArray[np.float32]
@@ -59,6 +60,10 @@ class Responses:
 
     def __len__(self) -> int:
         return len(self.weights)
+
+    def only(self, rows: NDArray[np.bool_]) -> "Responses":
+        """Those of the pictures that ``rows`` [S] says."""
+        return Responses(self.weights[rows], self.rotations[rows], self.seen_rotations[rows], self.features[rows])
 
 
 @dataclass(frozen=True)
@@ -69,10 +74,14 @@ class Sitting:
     """The wider, the nearer is the head, which fills the picture always."""
     shape: HeadShape | None = None
     """Whose head it is; None: the avatar's own."""
+    portrait: bool = False
+    """Every picture is taken as the neutral is, and as people get to see the avatar: it fills as much of the picture,
+    in the same light, and turns by what ``drawn_turn`` makes of the rotation."""
 
 
-PORTRAIT = Sitting()
-"""The avatar itself, by a far camera."""
+ITSELF = Sitting()
+"""The avatar, by a far camera."""
+PORTRAIT = Sitting(portrait=True)
 
 
 def joined(parts: Sequence[Responses]) -> Responses:
@@ -97,11 +106,11 @@ def measure_responses(
     rng: np.random.Generator,
     progress: Callable[[int, int], None] = lambda done, total: None,
     rotations: NDArray[np.float32] | None = None,
-    sitting: Sitting = PORTRAIT,
+    sitting: Sitting = ITSELF,
 ) -> Responses:
     """Draws the avatar at each row of ``weights`` [S, E] under a random head pose (or ``rotations`` [S, 3]), framing
     and light, and reads it with the face tracker; pictures without a face are left out. The neutral is taken by the
-    same camera.
+    same camera. In portraits only the pose is random.
 
     Raises AvatarNotSeen when the neutral picture has no face.
     """
@@ -116,7 +125,8 @@ def measure_responses(
     kept: list[int] = []
     features, turns = [np.empty((0, DIMENSION), np.float32)], [np.empty((0, 3), np.float32)]
     for index in range(len(weights)):
-        seen = studio.read(controls.coefficients(weights[index]), rotations[index], rng)
+        turn = drawn_turn(rotations[index]) if sitting.portrait else rotations[index]
+        seen = studio.read(controls.coefficients(weights[index]), turn, rng, still=sitting.portrait)
         if seen is not None:
             kept.append(index)
             features.append((feature_vector(seen) - feature_vector(neutral))[None])
@@ -140,7 +150,7 @@ class _Studio:
         rng: np.random.Generator,
         still: bool = False,
     ) -> FaceObservation | None:
-        """What one picture shows; None where no face is seen."""
+        """What one picture shows; None where no face is seen. ``still``: framed and lit as the neutral."""
         self._composed = self._gem.compose(coefficients, out=self._composed)
         head = replace(self._composed, positions=self._composed.positions + self._displacement)
         posed = pose_head(head, self._gem.neck_weights, self._gem.neck_pivot, rotation, np.zeros(3))

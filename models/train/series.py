@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..gem import Gem
 from .controls import Controls
-from .response import Responses, joined, measure_responses
+from .response import ITSELF, Responses, Sitting, joined, measure_responses
 from .workers import ALONE, Advance, Workers
 
 LENGTH = 500
@@ -25,10 +25,14 @@ class Series:
     """Framing, light, and rotations where none are given."""
     rotations: NDArray[np.float32] | None = None
     """[S, 3] of the head, radians."""
+    sitting: Sitting = ITSELF
 
 
 def in_series(
-    weights: NDArray[np.float32], rng: np.random.Generator, rotations: NDArray[np.float32] | None = None
+    weights: NDArray[np.float32],
+    rng: np.random.Generator,
+    rotations: NDArray[np.float32] | None = None,
+    sitting: Sitting = ITSELF,
 ) -> list[Series]:
     """Control weights [S, E], and rotations [S, 3] where they are given, in series of LENGTH."""
     firsts = range(0, len(weights), LENGTH)
@@ -37,6 +41,7 @@ def in_series(
             weights[first : first + LENGTH],
             own,
             None if rotations is None else rotations[first : first + LENGTH],
+            sitting,
         )
         for first, own in zip(firsts, rng.spawn(len(firsts)), strict=True)
     ]
@@ -59,4 +64,6 @@ def draw_series(
 
 
 def _drawn(advance: Advance, gem: Gem, controls: Controls, series: Series) -> Responses:
-    return measure_responses(gem, controls, series.weights, series.rng, lambda done, total: advance(), series.rotations)
+    return measure_responses(
+        gem, controls, series.weights, series.rng, lambda done, total: advance(), series.rotations, series.sitting
+    )

@@ -3,7 +3,7 @@
 F, an avatar's response, is learned first: control weights to tracked channels, from pictures of the avatar. The
 regressor g is then trained on relative features r of avatars and invented people (no labels) so that F(g(r)) matches r.
 Three times, a g acts before the tracker, and F is learned again with these pictures, too; a committee of new ones
-ships, and with it what expressions add to the turn of the head as it is read.
+ships. It acts for portraits, of which is learned how the head has to turn.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,16 +21,17 @@ from .bystanders import heads_beside, leaks_of_bystanders
 from .closing import ClosedLoop, descend
 from .controls import Controls, controls_of
 from .export_onnx import export_onnx
+from .export_turns import with_turns
 from .expressions import random_coefficients, random_weights
 from .footage import read_footage
 from .leaks import Leaks
 from .network import RegressorNetwork
-from .pose_response import fit_pose_response
 from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
-from .response import Responses, fit_response, joined
+from .response import PORTRAIT, Responses, fit_response, joined
 from .series import LENGTH, Series, draw_series
 from .strangers import Crowd, Person, crowd, in_tolerances
+from .turns import PORTRAITS, learned_turns
 from .workers import ALONE, Advance, Workers
 
 CROWD = 120_000
@@ -53,9 +54,6 @@ would find out where a single one errs. Of strangers, one says what to do."""
 COMMITTEE = 3
 """So many networks ship, each trained from random numbers of its own; the mean of their answers counts, in which what
 only one of them sees in a face it never saw is a third."""
-POSES = 4
-"""So many models of what its expressions add to the turn of its head ship: in their mean, what each learned of noise by
-heart is a quarter."""
 Progress = Callable[[str, int, int], None]
 
 
@@ -188,8 +186,13 @@ def regressor_for(
     school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
-    poses = [fit_pose_response(own, steps, seed + one) for one in range(POSES)]
-    return export_onnx(members, poses), TrainingReport(len(own), r2, before, school.mismatch(members))
+    audience = school.people(max(1, int(pictures * PORTRAITS)))
+    answers = np.mean([answers_of(one, audience) for one in members], 0)
+    portraits = rehearse(
+        gem, controls, answers, audience, rng, lambda done, total: progress("portraits", done, total), workers, PORTRAIT
+    )
+    graph = with_turns(export_onnx(members), learned_turns(portraits, steps, seed).poses)
+    return graph, TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
 def _practised(gem: Gem) -> Former | None:

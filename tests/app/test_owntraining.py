@@ -37,9 +37,12 @@ def test_two_captures_are_two_people(capture: Path, capsys: pytest.CaptureFixtur
     assert "second capture" in capsys.readouterr().err
 
 
-def test_a_person_with_frames_needs_no_rehearsal(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["train-regressor", "mara", str(capture), "--rehearse-with", "theo"]) == ExitCode.USAGE
-    assert "--rehearse-with does not go with a capture" in capsys.readouterr().err
+@pytest.mark.parametrize("words", [("--rehearse-with", "theo"), ("--turns-only",)])
+def test_a_person_with_frames_learns_of_them_alone(
+    capture: Path, words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["train-regressor", "mara", str(capture), *words]) == ExitCode.USAGE
+    assert f"{words[0]} does not go with a capture" in capsys.readouterr().err
 
 
 def test_taking_over_learns_from_nothing(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:

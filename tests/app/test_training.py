@@ -15,8 +15,10 @@ from gemheads.app.errors import ExitCode
         (("--steps", "0"), "--steps 0: choose 1 or more"),
         (("--seed", "-1"), "--seed -1: choose 0 or more"),
         (("--jobs", "0"), "--jobs 0: choose from 1 to 256"),
+        (("--turns-only", "--rehearse-with", "theo"), "--turns-only rehearses nothing"),
+        (("--turns-only", "--take-over", "theo"), "--take-over trains nothing"),
     ],
 )
-def test_numbers_that_cannot_be(words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be(words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train-regressor", "mara", *words]) == ExitCode.USAGE
     assert said in capsys.readouterr().err

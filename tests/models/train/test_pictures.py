@@ -13,7 +13,7 @@ from toynetwork import relative_features  # noqa: E402
 
 
 def test_pictures_of_whole_series_are_the_first_of_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    def drawing(gem, controls, weights, rng, progress, rotations):
+    def drawing(gem, controls, weights, rng, progress, rotations, sitting):
         rotations = rng.normal(size=(len(weights), 3))
         return Responses(weights, rotations, rotations, relative_features(len(weights)))
 

@@ -16,7 +16,7 @@ from gemheads.models.train import rehearsal, series, train_regressor  # noqa: E4
 from gemheads.models.train.controls import Controls, controls_of  # noqa: E402
 from gemheads.models.train.export_onnx import export_onnx  # noqa: E402
 from gemheads.models.train.leaks import TERMS, Leaks  # noqa: E402
-from gemheads.models.train.response import Responses  # noqa: E402
+from gemheads.models.train.response import ITSELF, PORTRAIT, Responses, Sitting  # noqa: E402
 from gemheads.models.train.strangers import Crowd  # noqa: E402
 from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402
@@ -31,8 +31,10 @@ def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> 
     features, rotations = relative_features(400, 3), rng.normal(0, 0.2, (400, 3)).astype("f4")
     audience = Crowd(features, rotations, np.zeros((400, 1), "f4"), np.zeros(400, np.bool_))
     drawn: list[Responses] = []
+    sittings: list[Sitting] = []
 
-    def drawing(gem, controls, weights, rng, progress, rotations):
+    def drawing(gem, controls, weights, rng, progress, rotations, sitting):
+        sittings.append(sitting)
         drawn.append(Responses(weights, rotations, rotations, features))
         return drawn[-1]
 
@@ -46,6 +48,8 @@ def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> 
     frontal = (acted.rotations == 0).all(1)
     assert 0.3 < frontal.mean() < 0.5
     np.testing.assert_array_equal(acted.rotations[~frontal], rotations[~frontal])
+    rehearsal.rehearse(toy_gem(), controls, answers, audience, rng, sitting=PORTRAIT)
+    assert sittings == [ITSELF, PORTRAIT]
 
 
 def test_a_regressor_is_remembered_as_the_network_it_was() -> None:
@@ -73,8 +77,9 @@ def recalled(monkeypatch: pytest.MonkeyPatch) -> list[Controls]:
         recalled.append(controls)
         return np.full((len(people), len(NAMES)), 0.125, "f4")
 
-    def acting(gem, controls, answers, people, rng, progress, workers):
+    def acting(gem, controls, answers, people, rng, progress, workers, sitting=ITSELF):
         assert (answers == 0.125).all() == (len(recalled) > len(acted))
+        assert (sitting == PORTRAIT) == (len(acted) == train_regressor.REHEARSALS)
         acted.append(answers)
         return linear_person(shapes, leak, len(people), len(acted)).seen
 
@@ -97,7 +102,7 @@ def test_an_avatar_that_has_a_regressor_rehearses_with_it_first(usable: bool, re
     )
     Regressor(graph, gem.coefficient_count)
     assert len(recalled) == (1 if usable else 0)
-    assert report.pictures > 200
+    assert report.pictures == 200 + 3 * 200, "portraits are of another light, and teach turns alone"
 
 
 def test_an_avatar_baked_anew_rehearses_with_what_the_former_one_learned(
