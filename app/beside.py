@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Image = NDArray[np.uint8]
+ROUNDED_PX = 2
+"""So much narrower or lower pictures fill the room: a video's width is rounded to an even number."""
 
 
 def beside_width(driver_size: tuple[int, int], height: int) -> int:
@@ -13,12 +15,19 @@ def beside_width(driver_size: tuple[int, int], height: int) -> int:
 
 
 def side_by_side(driver: Image, avatar: Image, width: int) -> Image:
-    """[H, width + W, C] the driver [h, w, 3] scaled to the avatar's height and ``width``, then the avatar [H, W, C]."""
+    """[H, width + W, C] the driver [h, w, 3] scaled to fit the avatar's height and ``width``, white where its shape is
+    another one, then the avatar [H, W, C]."""
     import cv2
 
     height = avatar.shape[0]
-    method = cv2.INTER_AREA if driver.shape[0] > height else cv2.INTER_LINEAR
     picture = np.full((height, width + avatar.shape[1], avatar.shape[2]), 255, np.uint8)
-    picture[:, :width, :3] = cv2.resize(driver, (width, height), interpolation=method)
     picture[:, width:] = avatar
+    scale = min(width / driver.shape[1], height / driver.shape[0])
+    fitted = [round(side * scale) for side in driver.shape[1::-1]]
+    wide, high = (
+        room if room - side <= ROUNDED_PX else max(1, side) for room, side in zip((width, height), fitted, strict=True)
+    )
+    left, top = (width - wide) // 2, (height - high) // 2
+    method = cv2.INTER_AREA if driver.shape[0] > high else cv2.INTER_LINEAR
+    picture[top : top + high, left : left + wide, :3] = cv2.resize(driver, (wide, high), interpolation=method)
     return picture

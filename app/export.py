@@ -14,12 +14,16 @@ from ..models.wholefile import file_sha256
 from .casting import check_components, check_track, open_avatar
 from .errors import InputError, OutputError, UsageError
 from .leftovers import take_over
+from .outputs import keep_inputs
 from .performance import Pose
 from .tracks import load_track
 
 
 def export_expression(avatar: Path, out: Path, weights: list[str], components: int | None = None) -> None:
     """One PLY of the expression with these ``name=value`` ARKit weights; without any, at rest. Raises CommandError."""
+    if out.suffix.lower() != ".ply":
+        raise UsageError(f"-o {out}: one expression is a .ply file; name one, or give a --track")
+    keep_inputs([out], [avatar])
     opened = open_avatar(avatar)
     check_components(opened, components)
     gem = opened.gem
@@ -33,6 +37,7 @@ def export_expression(avatar: Path, out: Path, weights: list[str], components: i
 
 def export_track(avatar: Path, track: Path, out: Path, components: int | None = None) -> None:
     """A folder of numbered PLYs, the head's pose included. Raises CommandError."""
+    keep_inputs([out], [avatar, track])
     opened = open_avatar(avatar)
     check_components(opened, components)
     performance = load_track(track)

@@ -14,7 +14,8 @@ from ..render.compositing import over
 from ..render.gaussians import RawGaussians
 from ..render.software import SoftwareEngine
 from .badge import badged
-from .errors import OutputError
+from .errors import OutputError, UsageError
+from .outputs import keep_inputs
 from .pictures import write_png
 from .portrait import portrait
 
@@ -72,6 +73,9 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
     from ..render.engines import open_engine
     from .casting import open_avatar
 
+    if out.suffix.lower() != ".png":
+        raise UsageError(f"-o {out}: the picture is a PNG; end its name in .png")
+    keep_inputs([out], [path])
     gem = open_avatar(path).gem
     drawer = open_engine(engine)
     try:

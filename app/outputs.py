@@ -17,6 +17,8 @@ def plan_outputs(drivers: list[str], out: str, transparent: bool) -> list[tuple[
     Raises UsageError and OutputError.
     """
     path = Path(out)
+    if not out:
+        raise UsageError("-o '': names nothing; name a video or a folder")
     if len(drivers) == 1:
         if path.suffix and path.suffix.lower() not in VIDEO_SUFFIXES and not path.is_dir() and not out.endswith(os.sep):
             raise UsageError(
@@ -28,12 +30,13 @@ def plan_outputs(drivers: list[str], out: str, transparent: bool) -> list[tuple[
     else:
         if path.suffix.lower() in VIDEO_SUFFIXES or path.is_file():
             raise UsageError(f"-o {out}: with {len(drivers)} drivers the result is a folder; name one")
-        results = [path / name for name in _distinct(drivers, "" if transparent else ".mp4")]
+        results = [path / name for name in _distinct(drivers, transparent)]
     return list(zip(drivers, results, strict=True))
 
 
 def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> None:
-    """Sees that nothing which is read is written over by results, under their own or their unfinished name.
+    """Sees that nothing which is read is written over by results, under their own or their unfinished name, and no
+    result by another.
 
     Args:
         outs: files, or folders that PNGs go into; None is a result that nobody wants.
@@ -44,13 +47,17 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
     """
     known = {_identity(file): file for file in filter(None, inputs) if file.exists()}
     frames = [file for file in known.values() if FRAME_NAME.fullmatch(file.name)]
+    taken: dict[Path, Path] = {}
     for out in filter(None, outs):
-        written = [name for name in (out, partial_name(out)) if name.exists()]
-        read = [known[one] for one in map(_identity, written) if one in known]
-        if out.is_dir():
-            read += [file for file in frames if file.parent.samefile(out)]
+        place = out.resolve()  # through folders that are not there yet
+        names = (place, partial_name(place)) if place.name else (place,)
+        read = [known[one] for one in (_identity(name) for name in names if name.exists()) if one in known]
+        if place.is_dir():
+            read += [file for file in frames if file.parent.samefile(place)]
         if read:
             raise UsageError(f"{out}: would be written over {read[0]}, which is read; choose another name")
+        if taken.setdefault(place, out) is not out:
+            raise UsageError(f"{out}: two results would have this name; choose another one")
 
 
 def _identity(file: Path) -> tuple[int, int]:
@@ -59,16 +66,21 @@ def _identity(file: Path) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 
 
-def _distinct(drivers: list[str], suffix: str) -> list[str]:
-    """The drivers' names, numbered where they meet; capitals alone keep none apart on every disk."""
+def _distinct(drivers: list[str], folders: bool) -> list[str]:
+    """The drivers' names, numbered where they meet; capitals alone keep none apart on every disk.
+
+    Videos end in .mp4; what is a folder does not look like a video.
+    """
     names: list[str] = []
     taken: set[str] = set()
     for driver in drivers:
-        stem = Path(driver.rstrip("/\\")).stem
+        stem = Path(driver.rstrip("/\\")).stem or Path(driver).resolve().stem
+        if folders and is_video(Path(stem)):
+            stem = stem.replace(".", "_")
         tries = (stem if number == 1 else f"{stem}-{number}" for number in itertools.count(1))
         name = next(name for name in tries if name.casefold() not in taken)
         taken.add(name.casefold())
-        names.append(f"{name}{suffix}")
+        names.append(name if folders else f"{name}.mp4")
     return names
 
 

@@ -13,6 +13,9 @@ def check_places(*outs: Path | None) -> None:
 
     Raises OutputError.
     """
+    for out in outs:
+        if out is not None and out.is_dir():
+            raise OutputError(f"{out}: is a folder; name a file")
     for folder in dict.fromkeys(out.parent for out in outs if out is not None):
         try:
             folder.mkdir(parents=True, exist_ok=True)

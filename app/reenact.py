@@ -37,8 +37,10 @@ from .neutrals import AUTO, NeutralRule, find_neutral, said
 from .origin import origin_of
 from .outputs import is_video, keep_inputs, plan_outputs
 from .performance import Pose
+from .places import check_places
 from .portrait import portrait
 from .progress import ProgressBar
+from .recipes import recipe_in, recipe_of
 from .reports import Outcome, Tally, write_report
 from .sinks import TIMES_FILE, FolderSink, Sink, VideoSink, is_whole, video_codec
 from .sources import Source, files_of, open_source
@@ -100,6 +102,8 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     started = time.perf_counter()
     if not drivers and wish.track is None:
         raise UsageError("no driver given; name a video, a folder of pictures, or --track FILE")
+    if "" in drivers:
+        raise UsageError("a driver without a name; name a video or a folder of pictures")
     if wish.neutral.sheet is not None and wish.track is not None:
         raise UsageError("--neutral-sheet: a track needs no neutral; give it to `gemheads track`, or leave out --track")
     jobs = plan_outputs(drivers or [str(wish.track)], out, wish.background is None)
@@ -111,6 +115,7 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         [*(result for _, result in jobs), *sheets, report],
         [*(file for driver in drivers for file in files_of(driver)), wish.neutral.picture, wish.avatar, wish.track],
     )
+    check_places(report, *sheets)
     outcomes: list[Outcome] = []
     failure: BaseException | None = None
     with ProgressBar(quiet) as bar:
@@ -168,8 +173,10 @@ def _outcome_of(
     """One driver's run, whatever happens in it, and what ended it early."""
     outcome = Outcome(driver or str(wish.track), str(result), "failed")
     if wish.resume and is_whole(result):
-        credentials = _papers(cast, wish, driver).sign_once(result) if is_video(result) else ""
-        return replace(outcome, status="kept", message=f"{result}: already done", credentials=credentials), None
+        kept, message, credentials = _passed_by(driver, result, cast, wish)
+        if kept:
+            return replace(outcome, status="kept", message=message, credentials=credentials), None
+        bar.say(message)
     run = _Run(cast, wish, result, bar, started)
     status, failure = "failed", None
     try:
@@ -203,6 +210,36 @@ def _outcome_of(
         ),
         failure,
     )
+
+
+def _passed_by(driver: str | None, result: Path, cast: Cast, wish: Wish) -> tuple[bool, str, str]:
+    """Whether a result that is whole is left as it is, a sentence about it, and what is said of its credentials.
+
+    What this run would make is signed where it was not; nothing is signed of which that is not known.
+    """
+    if not is_video(result):
+        return True, f"{result}: already done", ""
+    try:
+        wanted, found = recipe_of(_ingredients(driver, cast, wish)), recipe_in(result)
+    except OSError:  # of a driver that is gone nothing can be made anew
+        return True, f"{result}: already done", ""
+    if not found:
+        return True, f"{result}: is there already, and nothing in it says what it was made of; passed by", ""
+    if found != wanted:
+        return False, f"{result}: is of another driver, avatar or settings; made anew", ""
+    return True, f"{result}: already done", _papers(cast, wish, driver).sign_once(result)
+
+
+def _ingredients(driver: str | None, cast: Cast, wish: Wish) -> dict[str, str]:
+    """Everything that decides what a result shows, but for the neutral that is found; engines draw alike. Raises
+    OSError where the driver cannot be read."""
+    return {
+        "avatar": cast.avatar.sha256,
+        "driver": _sha256(files_of(driver)) if driver else "",
+        "track": file_sha256(wish.track) if wish.track else "",
+        "rule": f"{wish.neutral.kind} {wish.neutral.value}",
+        **wish.settings(),
+    }
 
 
 class _Run:
@@ -247,6 +284,11 @@ class _Run:
 
         try:
             run_offline(performance, stage, finish, sink, self._tell)
+            if isinstance(source, VideoFile) and source.left_out:
+                self._bar.say(
+                    f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
+                    " of it, convert it to mp4"
+                )
             self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
         finally:
             self.seconds = time.perf_counter() - self._started
@@ -292,18 +334,13 @@ class _Run:
         audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
         if isinstance(source, VideoFile) and source.has_unreadable_audio:
             self._bar.say(f"{source.path}: its sound is of a kind that cannot be read here; the result has none")
-        return VideoSink(self._result, size, time_base, rate, transparent, audio)
+        recipe = recipe_of(_ingredients(None if source is None else str(source.path), self._cast, self._wish))
+        return VideoSink(self._result, size, time_base, rate, transparent, audio, recipe)
 
     def _made_of(self, source: Source | None) -> dict[str, str]:
-        """Everything that decides what the pictures show; engines draw alike."""
-        track = self._wish.track
-        return {
-            "avatar": self._cast.avatar.sha256,
-            "driver": _sha256(files_of(str(source.path))) if source else "",
-            "track": file_sha256(track) if track else "",
-            "neutral": self._neutral_sha256,
-            **self._wish.settings(),
-        }
+        """Everything that decides what the pictures show."""
+        driver = None if source is None else str(source.path)
+        return {**_ingredients(driver, self._cast, self._wish), "neutral": self._neutral_sha256}
 
     def _tell(self, index: int, pose: Pose) -> None:
         if index == 0:

@@ -19,6 +19,7 @@ from ..models.mediafile import open_media
 from ..models.wholefile import settle, write_whole
 from .audio import AudioCopy
 from .errors import OutputError, UsageError
+from .recipes import KEY
 
 Image = NDArray[np.uint8]
 VIDEO_SUFFIXES = (".mp4", ".mov", ".webm")
@@ -84,9 +85,10 @@ class VideoSink:
         rate: Fraction,
         transparent: bool,
         audio: Path | Callable[[Any], Sound] | None,
+        recipe: str = "",
     ) -> None:
         """``audio`` names a file whose first sound track is copied beside the pictures, or adds a track of its own to
-        the opened container. Raises OutputError."""
+        the opened container; ``recipe`` goes into the file (see ``recipes``). Raises OutputError."""
         self.path, self.partial = path, partial_name(path)
         suffix = path.suffix.lower()
         codec, pixels = video_codec(suffix, transparent)
@@ -94,6 +96,8 @@ class VideoSink:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = _WatchedFile(self.partial)
             self._container = av.open(self._file, "w", format=suffix[1:], options=_container_options(suffix, time_base))
+            if recipe:
+                self._container.metadata[KEY] = recipe
             stream: Any = self._container.add_stream(codec, rate=rate, options=_OPTIONS.get(codec, {}))
         stream.width, stream.height, stream.pix_fmt = *size, pixels
         stream.time_base = stream.codec_context.time_base = time_base
@@ -224,7 +228,7 @@ TIMES_FILE = "times.csv"
 
 def is_whole(path: Path) -> bool:
     """Whether an earlier run finished this result."""
-    return path.is_file() or (path / TIMES_FILE).is_file()
+    return path.is_file() if path.suffix.lower() in VIDEO_SUFFIXES else (path / TIMES_FILE).is_file()
 
 
 def video_codec(suffix: str, transparent: bool) -> tuple[str, str]:

@@ -15,10 +15,12 @@ from ..models.picturefile import decode_picture
 from ..models.wholefile import open_ordinary
 from .errors import InputError
 from .frames import Frame
-from .video import VideoFile
+from .video import VideoFile, check_sides
 
 IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff"})
 MAX_PICTURE_BYTES = 2**28
+_NUMBER = re.compile(r"%0?\d*d")
+"""As printf writes it."""
 
 
 class Source(Protocol):
@@ -94,6 +96,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         raise InputError(f"{path}: cannot be read ({said}); check the path and its permissions") from error
     if image is None:
         raise InputError(f"{path}: is not a picture that can be decoded; convert it to PNG or JPEG")
+    check_sides(path, (image.shape[1], image.shape[0]))
     return np.asarray(image, np.uint8)
 
 
@@ -135,11 +138,13 @@ def _pictures_in(folder: Path) -> list[Path]:
 
 def _sequence(path: Path) -> list[Path]:
     """The files a pattern names: shell wildcards, or one printf number such as %d or %05d."""
-    pattern = re.sub(r"%0?\d*d", "*", glob.escape(path.name)) if "%" in path.name else path.name
+    numbered = re.compile(_NUMBER.sub(r"\\d+", re.escape(path.name))) if _NUMBER.search(path.name) else None
+    pattern = _NUMBER.sub("*", glob.escape(path.name)) if numbered else path.name
     if not any(c in pattern for c in "*?["):
         return []
     found = (Path(f) for f in glob.glob(str(Path(glob.escape(str(path.parent))) / pattern)))
-    return _in_reading_order(f for f in found if f.suffix.lower() in IMAGE_SUFFIXES)
+    named = (f for f in found if numbered is None or numbered.fullmatch(f.name))
+    return _in_reading_order(f for f in named if f.suffix.lower() in IMAGE_SUFFIXES)
 
 
 def _in_reading_order(files: Iterator[Path]) -> list[Path]:
@@ -147,6 +152,6 @@ def _in_reading_order(files: Iterator[Path]) -> list[Path]:
 
     def key(file: Path) -> list[tuple[bool, int, str]]:
         parts = re.split(r"(\d+)", file.name)
-        return [(part.isdigit(), int(part) if part.isdigit() else 0, part) for part in parts]
+        return [(part.isdecimal(), int(part) if part.isdecimal() else 0, part) for part in parts]
 
     return sorted(files, key=key)

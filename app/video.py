@@ -10,12 +10,16 @@ from typing import Any
 import av
 import numpy as np
 
+from ..models.driver.face import LEAST_SIDE, MOST_SIDE
 from ..models.mediafile import decoded, duration_of, first_video, open_media, pixel_aspect_of, rate_of, start_of
 from ..models.videopicture import upright_rgb
 from .audio import sound_track
 from .errors import InputError
 from .frames import Frame
 
+WITHOUT_PTS = ("avi",)
+"""Containers that say only when pictures are decoded, not when they are shown: of pictures that are stored in another
+order than they are shown in, what the decoder calls their time is that of others."""
 WHOLE_CLIP_FRAMES = 1500
 """Up to this many frames, sampling decodes everything; beyond, it seeks."""
 FEWEST_SAMPLES = 12
@@ -38,21 +42,32 @@ class VideoFile:
             self.has_unreadable_audio = bool(container.streams.audio) and not self.has_audio
             self._start = round(start_of(container) / self.time_base)
             self._pixel_aspect = pixel_aspect_of(stream)
+            self._untold = container.format.name in WITHOUT_PTS
+        self.left_out = 0
+        """Pictures of the last reading that were not shown later than the one before, and were passed over."""
         first = next(self.frames())
         self.size = (first.rgb.shape[1], first.rgb.shape[0])
+        check_sides(path, self.size)
 
     def frames(self) -> Iterator[Frame]:
         """All frames in order of presentation; damaged packets are passed over. Raises InputError without any."""
         last: int | None = None
+        self.left_out = 0
         with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
             stream.thread_type = "AUTO"
+            late = 0
             for picture in decoded(container, stream):
+                if self._untold:
+                    late = _lateness(picture) if last is None else late
+                    picture.pts = None if picture.dts is None else picture.dts - late
                 frame = self._frame(picture, last)
                 # Encoders need rising timestamps; a repeated one is the same instant and cannot be shown twice.
                 if last is None or frame.pts > last:
                     last = frame.pts
                     yield frame
+                else:
+                    self.left_out += 1
         if last is None:
             raise InputError(f"{self.path}: the clip holds no picture (zero length?); give one with at least one frame")
 
@@ -135,6 +150,19 @@ def video_stream(container: Any, path: Path) -> Any:
     if stream.codec_context is None:
         raise InputError(f"{path}: its video is of a kind that cannot be decoded here; convert it to H.264 in mp4")
     return stream
+
+
+def check_sides(path: Path, size: tuple[int, int]) -> None:
+    """Raises InputError for pictures in which no face can be looked for: ``size`` is width and height."""
+    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in size):
+        raise InputError(
+            f"{path}: {size[0]}x{size[1]} pixels; give pictures with sides from {LEAST_SIDE} to {MOST_SIDE} pixels"
+        )
+
+
+def _lateness(picture: av.VideoFrame) -> int:
+    """By how much the first picture comes out of the decoder later than it went in, which is when it is shown."""
+    return 0 if picture.pts is None or picture.dts is None else picture.dts - picture.pts
 
 
 @contextmanager

@@ -15,6 +15,8 @@ NAMED = {
 }
 """green and blue are the chroma-key screens."""
 LARGEST_SIDE = 4096
+FINEST_RATE = 10_000
+"""Greatest denominator of a rate; that of television is 1001. Times in finer units are beyond what containers hold."""
 
 
 def read_colour(text: str) -> tuple[float, float, float] | None:
@@ -44,7 +46,7 @@ def read_size(text: str) -> tuple[int, int]:
 def read_rate(text: str) -> Fraction:
     """Frames per second of ``25`` or ``30000/1001``. Raises UsageError."""
     try:
-        rate = Fraction(text)
+        rate = Fraction(text).limit_denominator(FINEST_RATE)
     except (ValueError, ZeroDivisionError):
         rate = Fraction(0)
     if not 0 < rate <= 1000:

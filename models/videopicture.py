@@ -19,14 +19,34 @@ def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) ->
     ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
     """
     _guess_colours(picture)
+    matrix = _display_matrix(picture)
     width = float(picture.width * pixel_aspect)
     scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
     size = max(1, round(width * scale)), max(1, round(picture.height * scale))
     if size != (picture.width, picture.height):
         picture = picture.reformat(*size, "rgb24")
     rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
-    quarter_turns = round(picture.rotation / 90) % 4  # counter-clockwise, as np.rot90 turns
-    return np.ascontiguousarray(np.rot90(rgb, quarter_turns)) if quarter_turns else rgb
+    return rgb if matrix is None else displayed(rgb, matrix)
+
+
+def displayed(rgb: NDArray[np.uint8], matrix: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """[H, W, 3], turned by quarters and mirrored as ``matrix`` [2, 2] says: x, y of the stored picture (row vectors, y
+    down) times it are those of the shown one, but for their scale and origin."""
+    (a, b), (c, d) = matrix.tolist()
+    if abs(b) + abs(c) > abs(a) + abs(d):
+        rgb, across, down = rgb.transpose(1, 0, 2), c, b
+    else:
+        across, down = a, d
+    return np.ascontiguousarray(rgb[:: -1 if down < 0 else 1, :: -1 if across < 0 else 1])
+
+
+def _display_matrix(picture: av.VideoFrame) -> NDArray[np.int32] | None:
+    """[2, 2] of the 3 x 3 fixed-point numbers that a container keeps; None where it says nothing."""
+    told = picture.side_data.get("DISPLAYMATRIX")
+    if told is None:
+        return None
+    numbers = np.frombuffer(bytes(told), np.int32)
+    return numbers.reshape(3, 3)[:2, :2] if numbers.size == 9 else None
 
 
 def _guess_colours(picture: av.VideoFrame) -> None:

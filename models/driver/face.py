@@ -17,7 +17,8 @@ from .region import Region, eye_line_tilt, region_around
 _CROP = 256
 _LEAST_PRESENCE = 0.5
 _LEAST_REGION_PX = 8.0
-_LEAST_SIDE, _MOST_SIDE = 16, 16384
+LEAST_SIDE, MOST_SIDE = 16, 16384
+"""Of an image, in pixels."""
 _SAME_FACE = 0.2
 """Two boxes that overlap more than this (intersection over union) are the same face a moment later. On seven clips of
 talking heads one face overlaps itself by .84 or more from frame to frame, by .44 or more after half a second; two
@@ -193,7 +194,7 @@ def _checked(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
         raise ValueError(f"an image must be a NumPy array, got {type(rgb).__name__}")
     if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3:
         raise ValueError(f"an image must be [height, width, 3] RGB of uint8, got {list(rgb.shape)} of {rgb.dtype}")
-    if not all(_LEAST_SIDE <= side <= _MOST_SIDE for side in rgb.shape[:2]):
+    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in rgb.shape[:2]):
         size = f"{rgb.shape[1]}x{rgb.shape[0]}"
-        raise ValueError(f"an image must be {_LEAST_SIDE} to {_MOST_SIDE} pixels a side, got {size}")
+        raise ValueError(f"an image must be {LEAST_SIDE} to {MOST_SIDE} pixels a side, got {size}")
     return np.ascontiguousarray(rgb)

@@ -76,3 +76,23 @@ def test_a_track_of_another_avatar_is_refused_though_its_coefficients_are_as_man
     assert main(["export", str(tiny), "--track", str(track), "-o", str(tmp_path / "ply")]) == ExitCode.INPUT
     assert "was made for mara, not for" in capsys.readouterr().err
     assert not (tmp_path / "ply").exists()
+
+
+@pytest.mark.parametrize("command", ["export", "modes"])
+@pytest.mark.parametrize("name", ["my.gem", "my.obj", "my", "."])
+def test_what_is_read_is_not_written_over(
+    command: str, name: str, tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    avatar = tmp_path / "my.gem"
+    avatar.write_bytes(tiny.read_bytes())
+    assert main([command, "my.gem", "-o", name]) == ExitCode.USAGE
+    assert [file.name for file in tmp_path.iterdir()] == ["my.gem"]
+    assert avatar.read_bytes() == tiny.read_bytes()
+
+
+def test_an_avatar_called_like_a_result_is_kept(tiny: Path, tmp_path: Path) -> None:
+    for command, name in (("export", "my.ply"), ("modes", "my.png")):
+        (tmp_path / name).write_bytes(tiny.read_bytes())
+        assert main([command, str(tmp_path / name), "-o", str(tmp_path / name)]) == ExitCode.USAGE
+        assert (tmp_path / name).read_bytes() == tiny.read_bytes()

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.badge import badged
-from gemheads.app.errors import OutputError
+from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.modes import LABEL_PX, draw_modes, modes_picture
 from gemheads.models.gem import MODALITIES, Basis
 from gemheads.models.gemfile import load_gem
@@ -55,3 +55,8 @@ def test_a_folder_that_is_a_file_is_one_plain_error(tiny: Path, tmp_path: Path) 
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(OutputError, match="cannot be written"):
         draw_modes(tiny, tmp_path / "file" / "modes.png", 1, (32, 32), "software")
+
+
+def test_a_picture_is_a_png(tiny: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"end its name in \.png"):
+        draw_modes(tiny, tmp_path / "modes.jpg", 1, (32, 32), "software")

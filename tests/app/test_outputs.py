@@ -35,6 +35,28 @@ def test_no_two_results_have_one_name() -> None:
     assert [result.name for _, result in plan] == ["talk.mp4", "talk-2.mp4", "talk-2-2.mp4", "Talk-3.mp4"]
 
 
+def test_several_results_are_what_their_names_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    plan = plan_outputs([".", "v.mp4.mov"], "out", True)
+    assert [result.name for _, result in plan] == [tmp_path.stem, "v_mp4"]
+
+
+@pytest.mark.parametrize("out", [".", "/"])
+def test_a_folder_without_a_name_of_its_own_takes_pngs(out: str) -> None:
+    ((_, result),) = plan_outputs(["a.mp4"], out, False)
+    keep_inputs([result], [])
+
+
+def test_a_result_needs_a_name() -> None:
+    with pytest.raises(UsageError, match="names nothing"):
+        plan_outputs(["a.mp4"], "", False)
+
+
+def test_no_result_is_written_over_by_another(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"r\.mp4: two results would have this name"):
+        keep_inputs([tmp_path / "r.mp4", None, tmp_path / "x" / ".." / "r.mp4"], [])
+
+
 class TestWhatIsReadIsKept:
     @pytest.fixture
     def clip(self, tmp_path: Path) -> Path:
@@ -44,6 +66,10 @@ class TestWhatIsReadIsKept:
     def test_under_another_spelling(self, clip: Path) -> None:
         with pytest.raises(UsageError, match=r"a\.mp4: would be written over .*a\.mp4, which is read"):
             keep_inputs([None, clip.parent / "." / "a.mp4"], [None, clip])
+
+    def test_behind_a_folder_that_is_not_there_yet(self, clip: Path) -> None:
+        with pytest.raises(UsageError, match="would be written over"):
+            keep_inputs([clip.parent / "new" / ".." / "a.mp4"], [clip])
 
     def test_under_another_name_of_the_same_file(self, clip: Path) -> None:
         other = clip.with_name("b.mp4")

@@ -350,6 +350,58 @@ def test_resuming_signs_what_a_kill_left_unsigned(
     assert main(["verify", str(out)]) == 0
 
 
+def test_resuming_keeps_what_nobody_knows_and_signs_none_of_it(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    foreign = tmp_path / "foreign.mp4"
+    foreign.write_bytes(clip.read_bytes())
+    assert play(tiny, clip, "-o", foreign, "--resume") == 0
+    assert "nothing in it says what it was made of; passed by" in capsys.readouterr().err
+    assert foreign.read_bytes() == clip.read_bytes()
+
+
+def test_resuming_makes_anew_what_is_of_other_settings(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.mp4"
+    assert play(tiny, clip, "-o", out) == 0
+    first = out.read_bytes()
+    assert play(tiny, clip, "-o", out, "--resume") == 0
+    assert out.read_bytes() == first
+    other = cut_clip(tmp_path / "other.mp4", VARIABLE[:9])
+    for words in ((clip, "--background", "green"), (other,)):
+        before = out.read_bytes()
+        assert play(tiny, *words, "-o", out, "--resume") == 0
+        assert "is of another driver, avatar or settings; made anew" in capsys.readouterr().err
+        assert out.read_bytes() != before
+    assert len(times(out)) == 9
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("",), ExitCode.USAGE, "a driver without a name"),
+        (("talk.mp4", "--report", "out.mp4"), ExitCode.USAGE, "two results would have this name"),
+        (("talk.mp4", "--neutral-sheet", "out.mp4"), ExitCode.USAGE, "two results would have this name"),
+        (("talk.mp4", "--report", "folder"), ExitCode.OUTPUT, "folder: is a folder; name a file"),
+    ],
+)
+def test_what_cannot_be_is_told_before_anything_is_drawn(
+    words: tuple[str, ...],
+    code: ExitCode,
+    said: str,
+    tiny: Path,
+    clip: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(clip.parent)
+    Path("folder").mkdir()
+    assert play(tiny, *words, "-o", "out.mp4") == code
+    assert said in capsys.readouterr().err
+    assert not Path("out.mp4").exists()
+
+
 def test_an_avatar_without_consent_says_so_each_time(
     tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,6 +9,8 @@ import pytest
 from av.video.reformatter import Colorspace
 from gemheads.app.errors import InputError
 from gemheads.app.sources import open_source
+from gemheads.app.video import VideoFile
+from gemheads.models.videopicture import displayed
 
 from .conftest import Clip
 
@@ -38,6 +40,52 @@ def test_a_video_filmed_sideways_stands_upright(make_clip: Clip, rotation: int, 
     assert source.size == ((64, 96) if rotation != 180 else (96, 64))
     assert (rgb[-5, 5].mean() > 60, rgb[5, -5].mean() > 60) == bright
     assert rgb[5, 5].mean() < 60
+
+
+@pytest.mark.parametrize(
+    ("matrix", "bright"),
+    [
+        (((-1, 0), (0, 1)), (0, -1)),  # mirrored
+        (((1, 0), (0, -1)), (-1, 0)),  # upside down in a mirror
+        (((0, 1), (1, 0)), (0, 0)),  # turned and mirrored
+        (((0, -1), (-1, 0)), (-1, -1)),
+        (((0, 1), (-1, 0)), (0, -1)),  # a quarter turn clockwise
+    ],
+)
+def test_a_mirrored_picture_is_shown_as_its_maker_saw_it(
+    matrix: tuple[tuple[int, int], ...], bright: tuple[int, int]
+) -> None:
+    stored = np.zeros((4, 6, 3), np.uint8)
+    stored[0, 0] = 255
+    shown = displayed(stored, np.array(matrix) * 65536)
+    assert shown.shape == ((4, 6, 3) if matrix[0][0] else (6, 4, 3))
+    assert shown[bright].all()
+    assert np.count_nonzero(shown) == 3
+
+
+def test_a_container_that_says_when_pictures_are_decoded_loses_none(tmp_path: Path) -> None:
+    path = tmp_path / "clip.avi"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"bf": "2", "x264-params": "b-adapt=0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for grey in range(0, 240, 8):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
+        container.mux(stream.encode())
+    source = open_source(str(path))
+    frames = list(source.frames())
+    assert [round(float(frame.rgb.mean()) / 8) for frame in frames] == list(range(30))
+    assert np.diff([frame.seconds for frame in frames]) == pytest.approx(1 / 30, abs=1e-6)
+    assert isinstance(source, VideoFile)
+    assert source.left_out == 0
+
+
+def test_pictures_whose_times_do_not_rise_are_counted(make_clip: Clip, tmp_path: Path) -> None:
+    part = make_clip("part.ts").read_bytes()
+    joined = tmp_path / "joined.ts"
+    joined.write_bytes(part + part)
+    source = VideoFile(joined)
+    assert len(list(source.frames())) == 4
+    assert source.left_out == 4
 
 
 @pytest.mark.parametrize(("size", "matrix"), [((96, 64), Colorspace.ITU601), ((1280, 64), Colorspace.ITU709)])
@@ -138,6 +186,21 @@ def test_sequences_by_pattern(tmp_path: Path, pattern: str) -> None:
     write_png(tmp_path / "other.png", 99)
     source = open_source(str(tmp_path / pattern))
     assert [int(frame.rgb[0, 0, 0]) for frame in source.frames()] == [0, 1, 12]
+
+
+def test_a_pattern_names_numbers_alone(tmp_path: Path) -> None:
+    for name in ("shot_0001.png", "shot_0001_mask.png", "shot_left_0001.png", "shot_²1.png"):
+        write_png(tmp_path / name, 7)
+    source = open_source(str(tmp_path / "shot_%04d.png"))
+    assert len(list(source.frames())) == 1
+    assert len(list(open_source(str(tmp_path)).frames())) == 4
+
+
+@pytest.mark.parametrize("size", [(8, 20), (20, 1), (16400, 20)])
+def test_a_picture_in_which_no_face_can_be_looked_for_is_told(tmp_path: Path, size: tuple[int, int]) -> None:
+    write_png(tmp_path / "thin.png", 7, size)
+    with pytest.raises(InputError, match=f"{size[0]}x{size[1]} pixels; give pictures with sides from 16 to 16384"):
+        open_source(str(tmp_path / "thin.png"))
 
 
 def test_one_picture_is_a_clip_of_one_frame(tmp_path: Path) -> None:

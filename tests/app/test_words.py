@@ -33,7 +33,8 @@ def test_what_is_no_size_is_told(text: str) -> None:
 def test_rates() -> None:
     assert read_rate("30000/1001") == Fraction(30000, 1001)
     assert read_rate("12.5") == Fraction(25, 2)
-    for text in ("0", "-1", "fast", "1/0", "1e9"):
+    assert read_rate("29.97002997002997") == Fraction(30000, 1001)
+    for text in ("0", "-1", "fast", "1/0", "1e9", "1/100000000000"):
         with pytest.raises(UsageError, match="not a rate"):
             read_rate(text)
 
