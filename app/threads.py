@@ -10,6 +10,41 @@ import numba
 
 Item = TypeVar("Item")
 _END = object()
+ROOM_SECS = 0.1
+"""From one look at whether anybody still wants what is produced to the next."""
+
+
+class _Box:
+    """Holds ``depth`` items between two threads, of which one may hear Ctrl-C at any moment.
+
+    That of the standard library (``queue.Queue``) waits in Python code: an interrupt between a lock and what it is
+    taken for leaves it locked for ever, and both threads waiting. ``SimpleQueue`` takes and gives in one step.
+    """
+
+    def __init__(self, depth: int) -> None:
+        self._items: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._room: queue.SimpleQueue[None] = queue.SimpleQueue()
+        for _ in range(depth):
+            self._room.put(None)
+
+    def put(self, item: Any, seconds: float | None = None) -> bool:
+        """Waits for room, at most so many seconds; whether there was any."""
+        try:
+            self._room.get(timeout=seconds)
+        except queue.Empty:
+            return False
+        self._items.put(item)
+        return True
+
+    def get(self) -> Any:
+        """The oldest item, once there is one."""
+        item = self._items.get()
+        self._room.put(None)
+        return item
+
+    def end(self) -> None:
+        """Puts the mark of the end, however little room there is."""
+        self._items.put(_END)
 
 
 @contextmanager
@@ -31,16 +66,13 @@ def ahead(items: Iterable[Item], depth: int = 4) -> Generator[Item, None, None]:
 
     An exception of the producer is raised where it would have been; a consumer that stops early stops the producer.
     """
-    box: queue.Queue[Any] = queue.Queue(depth)
+    box = _Box(depth)
     stopped = threading.Event()
 
     def offer(item: Any) -> bool:
         while not stopped.is_set():
-            try:
-                box.put(item, timeout=0.1)
+            if box.put(item, ROOM_SECS):
                 return True
-            except queue.Full:
-                continue
         return False
 
     def produce() -> None:
@@ -72,7 +104,7 @@ class Behind(Generic[Item]):
 
     def __init__(self, consume: Callable[[Item], None], depth: int = 4) -> None:
         self._consume = consume
-        self._box: queue.Queue[Any] = queue.Queue(depth)
+        self._box = _Box(depth)
         self._error: BaseException | None = None
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -92,7 +124,7 @@ class Behind(Generic[Item]):
     def abandon(self) -> None:
         """Wait until everything put was consumed, and say nothing of what went wrong: something else already did."""
         if self._thread.is_alive():
-            self._box.put(_END)
+            self._box.end()
             self._thread.join()
 
     def _run(self) -> None:

@@ -1,3 +1,6 @@
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -97,3 +100,32 @@ def test_kernels_get_so_many_threads_at_most_and_one_at_least() -> None:
     with pytest.raises(KeyError), at_most(1):
         raise KeyError
     assert numba.get_num_threads() == before
+
+
+STOPPED_ANYWHERE = """
+import itertools, random, signal, sys
+from contextlib import closing
+from gemheads.app.threads import Behind, ahead
+
+def stop(*_):
+    raise KeyboardInterrupt
+
+random.seed(0)
+signal.signal(signal.SIGALRM, stop)
+for _ in range(400):
+    writer = Behind(lambda item: None)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, random.uniform(2e-4, 4e-3))
+        with closing(ahead(itertools.count())) as numbers:
+            for number in numbers:
+                writer.put(number)
+    except KeyboardInterrupt:
+        pass
+    writer.abandon()
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="Windows has no such timers")
+def test_ctrl_c_at_any_moment_leaves_nobody_waiting() -> None:
+    """Between a lock and what it was taken for, one in some dozens did."""
+    subprocess.run([sys.executable, "-c", STOPPED_ANYWHERE], timeout=100, check=True)
