@@ -112,7 +112,7 @@ def stop(*_):
 
 random.seed(0)
 signal.signal(signal.SIGALRM, stop)
-for _ in range(400):
+for _ in range(150):
     writer = Behind(lambda item: None)
     try:
         signal.setitimer(signal.ITIMER_REAL, random.uniform(2e-4, 4e-3))
