@@ -114,10 +114,6 @@ class _Fitter:
         self._gem, self._avatar, self._source = cast.gem, cast.path, source
         self._effort: Effort = THOROUGH if wish.thorough else FIRST
         width, height = source.size
-        if min(width, height) < LEAST_SIDE:
-            raise InputError(
-                f"{source.path}: is {width}x{height}; a side needs at least {LEAST_SIDE} pixels to be fitted"
-            )
         share = min(1.0, LARGEST_SIDE / max(width, height))
         self._size = max(LEAST_SIDE, round(width * share)), max(LEAST_SIDE, round(height * share))
         self._camera = self._seen_by(wish, width, height)

@@ -96,7 +96,7 @@ def test_what_cannot_be_fitted_is_told(tiny: Path, tmp_path: Path, capsys: pytes
         ((str(tiny), shot, "--camera", view), ExitCode.INPUT, f"is a camera of {SIDE}x{SIDE}"),
         ((str(tiny), shot, "--camera", "none.json"), ExitCode.INPUT, "none.json: cannot be read"),
         ((str(tiny), shot, "--background", "transparent"), ExitCode.USAGE, "give its colour"),
-        ((str(tiny), small), ExitCode.INPUT, "16 pixels"),
+        ((str(tiny), small), ExitCode.INPUT, "sides from 16"),
         ((str(tiny), "none.png"), ExitCode.INPUT, "none.png: no such file"),
     ):
         assert main(["fit", *words, *out]) == code

@@ -109,6 +109,6 @@ def refused(folder: Path, content: bytes) -> None:
 
 
 def test_a_sound_picture_is_read(tmp_path: Path) -> None:
-    pixels = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+    pixels = (np.arange(768) % 251).astype(np.uint8).reshape(16, 16, 3)
     cv2.imwrite(str(tmp_path / "picture.png"), pixels)
     np.testing.assert_array_equal(read_image(tmp_path / "picture.png"), pixels[..., ::-1])
