@@ -1,5 +1,6 @@
 """The ``gemheads`` command: its commands, and how what goes wrong in them is told."""
 
+import io
 import os
 import sys
 
@@ -36,6 +37,8 @@ def main(arguments: list[str] | None = None) -> int:
     # 60 ms instead of 6) spin and starve the other stages. Both must be set before NumPy and numba come.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a name that the terminal cannot write must not end what is done
+        sys.stdout.reconfigure(errors="backslashreplace")
     arguments = sys.argv[1:] if arguments is None else arguments
     debug = "--debug" in arguments
     try:

@@ -104,8 +104,7 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         raise UsageError("no driver given; name a video, a folder of pictures, or --track FILE")
     if "" in drivers:
         raise UsageError("a driver without a name; name a video or a folder of pictures")
-    if wish.neutral.sheet is not None and wish.track is not None:
-        raise UsageError("--neutral-sheet: a track needs no neutral; give it to `gemheads track`, or leave out --track")
+    _check_beside_track(drivers, wish)
     jobs = plan_outputs(drivers or [str(wish.track)], out, wish.background is None)
     for _, result in jobs:
         if is_video(result):
@@ -142,6 +141,17 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     if isinstance(failure, CommandError):
         return failure.code
     raise failure
+
+
+def _check_beside_track(drivers: list[str], wish: Wish) -> None:
+    """Raises UsageError for what does nothing where a track says what is done."""
+    if wish.track is None:
+        return
+    if wish.neutral.sheet is not None or wish.neutral.kind != AUTO.kind:
+        option = "--neutral" if wish.neutral.sheet is None else "--neutral-sheet"
+        raise UsageError(f"{option}: a track needs no neutral; give it to `gemheads track`, or leave out --track")
+    if wish.side_by_side and not drivers:
+        raise UsageError("--side-by-side: a track has no picture of who drove it; name the video, too")
 
 
 def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..errors import ExitCode
+from ..errors import ExitCode, UsageError
 from .options import EngineName, Out, Size
 
 
@@ -68,6 +68,8 @@ def export(
     from ..export import export_expression, export_track
     from ..library import find_avatar
 
+    if track is not None and weights:
+        raise UsageError("--set: a track says itself what the face does; leave out one of the two")
     path = find_avatar(file)
     if track is None:
         export_expression(path, Path(out), weights or [], components)

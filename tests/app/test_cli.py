@@ -1,3 +1,4 @@
+import os
 import subprocess
 import sys
 import time
@@ -108,12 +109,25 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("reenact", "a.mp4", "-o", "b.mp4", "--components", "99", *avatar), "stores 6"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--neutral", "first", "--neutral-sheet", "c.png"), "leave it out"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--neutral-sheet", "c.png", *avatar), "needs no neutral"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--neutral", "first", *avatar), "--neutral: a track needs no"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--side-by-side", *avatar), "name the video, too"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--no-badge", "because", *avatar), "say why"),
         (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
+        (("export", str(tiny), "-o", "a", "--track", "t", "--set", "jawOpen=1"), "leave out one of the two"),
     ):
         code, error = told(capsys, *words)
         assert code == ExitCode.USAGE, error
         assert said in error
+
+
+def test_a_terminal_that_cannot_write_a_name(tiny: Path, tmp_path: Path) -> None:
+    out = tmp_path / "J\u00fcrgen.ply"
+    words = (sys.executable, "-m", "gemheads.app.cli", "export", str(tiny), "-o", str(out))
+    surroundings = os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    ended = subprocess.run(words, env=surroundings, capture_output=True, text=True, timeout=120, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert out.is_file()
+    assert "J\\xfcrgen.ply" in ended.stdout
 
 
 def test_unusable_inputs(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path, make_clip: Clip) -> None:
