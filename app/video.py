@@ -11,7 +11,7 @@ import av
 import numpy as np
 
 from ..models.driver.face import LEAST_SIDE, MOST_SIDE
-from ..models.mediafile import decoded, duration_of, first_video, open_media, pixel_aspect_of, rate_of, start_of
+from ..models.mediafile import decoded, duration_of, main_video, open_media, pixel_aspect_of, rate_of, start_of
 from ..models.videopicture import upright_rgb
 from .audio import sound_track
 from .errors import InputError
@@ -144,7 +144,7 @@ def open_container(path: Path) -> Any:
 
 def video_stream(container: Any, path: Path) -> Any:
     """The first stream that is a video and no cover picture. Raises InputError without one."""
-    stream = first_video(container)
+    stream = main_video(container)
     if stream is None:
         raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")
     if stream.codec_context is None:

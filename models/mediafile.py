@@ -34,10 +34,17 @@ def open_media(path: Path) -> Any:
     return container
 
 
-def first_video(container: Any) -> Any | None:
-    """The first stream that is a video and no cover picture; its ``codec_context`` is None where nothing decodes it."""
+def main_video(container: Any) -> Any | None:
+    """The largest stream that is a video and no cover picture, of several as large the first; its ``codec_context`` is
+    None where nothing decodes it."""
     attached = getattr(av.stream.Disposition, "attached_pic", 0)
-    return next((stream for stream in container.streams.video if not stream.disposition & attached), None)
+    videos = [stream for stream in container.streams.video if not stream.disposition & attached]
+    return max(videos, key=_pixels, default=None)
+
+
+def _pixels(stream: Any) -> int:
+    context = stream.codec_context
+    return 0 if context is None else context.width * context.height
 
 
 def rate_of(stream: Any) -> Fraction:

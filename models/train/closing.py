@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from .network import RegressorNetwork
@@ -25,6 +26,10 @@ EXCESS = 20.0
 """Price of a weight beyond its bounds."""
 LABELS = 1.0
 """Price of missing the known weights on the avatar's own pictures."""
+STRIDE, STRIDES = 0.1, 120
+"""The first step of the descent to the best weights, and how many there are, each smaller than the one before."""
+AT_ONCE = 2000
+"""So many moments descend together; each goes its own way."""
 
 
 class ClosedLoop:
@@ -56,15 +61,7 @@ class ClosedLoop:
         batch = torch.randint(len(self._wanted), (BATCH,))
         inputs, start = (array[batch] for array in self._people)
         free = network.steered(inputs, start)
-        bounded = network.bounded(free)
-        # a weight outside its bounds keeps a little gradient, or it would never come back
-        got = self._shown(bounded + 0.05 * (free - bounded), step % len(self._responses))
-        loss = nn.functional.huber_loss(got, self._wanted[batch], delta=HUBER)
-        moved = bounded - start
-        loss = loss + PRIOR * (moved**2).mean() + EXCESS * ((free - bounded) ** 2).mean()
-        if len(network.pairs):
-            left, right = network.pairs.T
-            loss = loss + ONE_SIDED * ((moved[:, left] - moved[:, right]) ** 2).mean()
+        loss = self._missed(free, start, self._wanted[batch], step % len(self._responses)).mean()
         if len(self._resting):
             rest = self._resting[torch.randint(len(self._resting), (BATCH // 2,))]
             still = network.bounded(network.steered(*(array[rest] for array in self._people)))
@@ -72,6 +69,45 @@ class ClosedLoop:
         known = torch.randint(len(self._known), (BATCH // 2,))
         labelled = network.steered(*(array[known] for array in self._own))
         return loss + LABELS * ((labelled - self._known[known]) ** 2).mean()
+
+    def best(self) -> NDArray[np.float32]:
+        """[S, E] the control weights with which the avatar follows each moment of the people best, as the mean of all
+        responses knows it and at the same prices: what a network strives for, and what it never sees whole.
+
+        Found by descent (Adam). Where responses err, this is the first to run into it.
+        """
+        parts = range(0, len(self._wanted), AT_ONCE)
+        return np.concatenate([self._best(slice(first, first + AT_ONCE)) for first in parts])
+
+    @one_torch_thread()
+    def _best(self, rows: slice) -> NDArray[np.float32]:
+        network, start, wanted = self._network, self._people[1][rows], self._wanted[rows]
+        ways = torch.zeros_like(start, requires_grad=True)
+        optimizer = torch.optim.Adam([ways], STRIDE)
+        schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 1 / STRIDES, STRIDES)
+        for _ in range(STRIDES):
+            free = network.moved(start, ways)
+            asked = [self._missed(free, start, wanted, one) for one in range(len(self._responses))]
+            optimizer.zero_grad()
+            torch.stack(asked).mean(0).sum().backward()
+            optimizer.step()
+            schedule.step()
+        with torch.no_grad():
+            return network.bounded(network.moved(start, ways)).numpy()
+
+    def _missed(self, free: Tensor, start: Tensor, wanted: Tensor, one: int) -> Tensor:
+        """[B] what weights [B, E], not clipped yet, cost that begin at ``start`` and shall show ``wanted`` [B, T]."""
+        network = self._network
+        bounded = network.bounded(free)
+        # a weight outside its bounds keeps a little gradient, or it would never come back
+        got = self._shown(bounded + 0.05 * (free - bounded), one)
+        missed = nn.functional.huber_loss(got, wanted, delta=HUBER, reduction="none").mean(1)
+        moved = bounded - start
+        missed = missed + PRIOR * (moved**2).mean(1) + EXCESS * ((free - bounded) ** 2).mean(1)
+        if len(network.pairs):
+            left, right = network.pairs.T
+            missed = missed + ONE_SIDED * ((moved[:, left] - moved[:, right]) ** 2).mean(1)
+        return missed
 
     def _shown(self, weights: Tensor, one: int) -> Tensor:
         """What is read on the avatar from the front, relative to its neutral, as one of the responses knows it."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..driver.face import FaceTracker
 from ..driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
 from ..driver.neutral import choose_neutral
-from ..mediafile import decoded, first_video, open_media, pixel_aspect_of
+from ..mediafile import decoded, main_video, open_media, pixel_aspect_of
 from ..videopicture import upright_rgb
 
 EVERY_SECS = 0.1
@@ -36,7 +36,7 @@ def _read(path: Path) -> NDArray[np.float32]:
     tracker, faces, times = FaceTracker(), [], []
     try:
         with open_media(path) as container:
-            stream = first_video(container)
+            stream = main_video(container)
             if stream is None or stream.codec_context is None:
                 raise ValueError(f"there is no video in {path} that can be decoded; leave it out or convert it to mp4")
             pixel_aspect = pixel_aspect_of(stream)

@@ -105,7 +105,11 @@ class RegressorNetwork(nn.Module):
 
     def steered(self, inputs: Tensor, start: Tensor) -> Tensor:
         """Control weights [B, E] before they are clipped to their bounds (training pulls the excess back)."""
-        return start + self.reach * torch.tanh(self.layers(inputs)[:, self.leaders])
+        return self.moved(start, self.layers(inputs))
+
+    def moved(self, start: Tensor, ways: Tensor) -> Tensor:
+        """The unlearned control weights [B, E], moved by what the layers say [B, E]: by all of the reach at most."""
+        return start + self.reach * torch.tanh(ways[:, self.leaders])
 
     def weights(self, features: Tensor, rotation: Tensor) -> Tensor:
         """Control weights [B, E] within their bounds."""

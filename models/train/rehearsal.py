@@ -1,7 +1,6 @@
-"""Pictures of an avatar at what a regressor answers: random faces say little of the few that it will be asked for.
+"""Pictures of an avatar at what it shall answer people: random faces say little of the few that it will be asked for.
 
-A network that is trained against a model of the avatar's response finds the faces at which the model errs. Drawn and
-read, they correct it.
+What is best by a model of the avatar's response is often where the model errs. Drawn and read, that corrects it.
 """
 
 from collections.abc import Callable

@@ -131,6 +131,22 @@ def test_a_long_clip_whose_stream_tells_no_length_is_sampled_to_its_end(
     assert source.samples(20)[-1].seconds > 7
 
 
+def test_of_several_videos_in_a_file_the_largest_is_shown(tmp_path: Path) -> None:
+    clip = tmp_path / "cameras.mp4"
+    sizes = (64, 48), (128, 96), (128, 96)
+    with av.open(str(clip), "w") as container:
+        streams = [container.add_stream("mpeg4", rate=25) for _ in sizes]
+        for stream, (stream.width, stream.height) in zip(streams, sizes, strict=True):
+            stream.pix_fmt = "yuv420p"
+        for stream, bright, (width, height) in zip(streams, (20, 120, 220), sizes, strict=True):
+            picture = av.VideoFrame.from_ndarray(np.full((height, width, 3), bright, np.uint8), format="rgb24")
+            container.mux(stream.encode(picture))
+            container.mux(stream.encode())
+    (frame,) = open_source(str(clip)).frames()
+    assert frame.rgb.shape == (96, 128, 3)
+    assert abs(float(frame.rgb.mean()) - 120) < 10
+
+
 def test_times_are_counted_from_where_the_clock_of_a_transport_stream_begins(make_clip: Clip) -> None:
     ticks = (0, 1000, 2200, *range(3000, 30000, 1000))
     source = open_source(str(make_clip("clip.ts", tuple(3600 * 30000 + tick for tick in ticks))))

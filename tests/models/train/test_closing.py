@@ -63,6 +63,32 @@ def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd])
     )
 
 
+def test_what_follows_best_is_found_without_a_network(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained, avatar, people = scene
+    monkeypatch.setattr(closing, "AT_ONCE", 250)
+    network = RegressorNetwork(
+        Reduction(trained.feature_mean.numpy(), trained.projection.numpy()), controls_of(toy_gem())
+    )
+    loop = ClosedLoop(network, avatar, people)
+    untrained = loop.mismatch()
+    best = loop.best()
+    assert best.shape == (COUNT, len(NAMES))
+    assert best.dtype == np.float32
+    assert (best >= 0).all()
+    assert (best <= 1).all()
+    start = network.started(torch.from_numpy(people.features)).numpy()
+    assert (np.abs(best - start) <= network.reach.numpy() + 1e-6).all()
+    shown = avatar.response(torch.from_numpy(best), torch.zeros(COUNT, 3)).numpy()
+    missed = np.abs(shown - people.wanted)
+    assert np.where(missed < 3, missed**2 / 2, 3 * (missed - 1.5)).mean() < 0.3 * untrained
+    for eyes in (("eyeLookOutLeft", "eyeLookInRight"), ("eyeLookUpLeft", "eyeLookUpRight")):
+        one, other = (best[:, NAMES.index(name)] - start[:, NAMES.index(name)] for name in eyes)
+        inside = (best[:, [NAMES.index(name) for name in eyes]] % 1 != 0).all(1)
+        np.testing.assert_allclose(one[inside], other[inside], atol=1e-5)
+
+
 def test_the_halves_of_a_face_are_moved_together(
     scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -102,7 +102,9 @@ def test_an_avatar_that_has_a_regressor_rehearses_with_it_first(usable: bool, re
     )
     Regressor(graph, gem.coefficient_count)
     assert len(recalled) == (1 if usable else 0)
-    assert report.pictures == 200 + 3 * 200, "portraits are of another light, and teach turns alone"
+    assert report.pictures == 200 + train_regressor.REHEARSALS * 200, (
+        "portraits are of another light, and teach turns alone"
+    )
 
 
 def test_an_avatar_baked_anew_rehearses_with_what_the_former_one_learned(
