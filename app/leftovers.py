@@ -9,6 +9,8 @@ from ..models.wholefile import write_whole
 from .errors import OutputError
 
 _FRAME = re.compile(r"frame_\d{6,}")
+_TORN = re.compile(r"\.frame_\d{6,}\.\w+\.\d+\.partial")
+"""What a run that was killed had begun to write."""
 
 
 def take_over(
@@ -29,11 +31,13 @@ def take_over(
     Raises:
         OutputError: when it cannot be written, or holds such files that no run has noted: they may be somebody's own.
     """
-    note = folder / f".made-of{suffix}.json"
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        for file in folder.iterdir():
+            if _TORN.fullmatch(file.name):
+                file.unlink()
         left = [file for file in folder.iterdir() if file.suffix == suffix and _FRAME.fullmatch(file.stem)]
-        former = _read(note)
+        former = noted(folder, suffix)
         if left and former is None:
             raise OutputError(
                 f"{folder}: holds {min(left).name}, and nothing says which run made it; choose another folder, or"
@@ -45,7 +49,7 @@ def take_over(
             (folder / name).unlink(missing_ok=True)
         for file in left:
             file.unlink()
-        write_whole(note, [json.dumps(dict(made_of), indent=1).encode()])
+        write_whole(_note(folder, suffix), [json.dumps(dict(made_of), indent=1).encode()])
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error.strerror}); check the folder and the space") from error
     if not resume or not left or former is None:
@@ -54,8 +58,10 @@ def take_over(
     return False, f"{folder}: the files that were there are of another {others}; begun anew"
 
 
-def _read(note: Path) -> dict[str, str] | None:
-    """None where there is no note; nothing is like one that is broken."""
+def noted(folder: Path, suffix: str) -> dict[str, str] | None:
+    """What the files of a folder are made of, as the run that made them noted it. None where there is no note; nothing
+    is like one that is broken."""
+    note = _note(folder, suffix)
     if not note.is_file():
         return None
     try:
@@ -63,3 +69,7 @@ def _read(note: Path) -> dict[str, str] | None:
     except ValueError:
         return {}
     return told if isinstance(told, dict) else {}
+
+
+def _note(folder: Path, suffix: str) -> Path:
+    return folder / f".made-of{suffix}.json"

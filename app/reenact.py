@@ -40,8 +40,9 @@ from .performance import Pose
 from .places import check_places
 from .portrait import portrait
 from .progress import ProgressBar
-from .recipes import recipe_in, recipe_of
+from .recipes import recipe_of
 from .reports import Outcome, Tally, write_report
+from .resuming import made_of_the_same
 from .sinks import TIMES_FILE, FolderSink, Sink, VideoSink, is_whole, video_codec
 from .sources import Source, files_of, open_source
 from .threads import ahead
@@ -227,16 +228,16 @@ def _passed_by(driver: str | None, result: Path, cast: Cast, wish: Wish) -> tupl
 
     What this run would make is signed where it was not; nothing is signed of which that is not known.
     """
-    if not is_video(result):
-        return True, f"{result}: already done", ""
     try:
-        wanted, found = recipe_of(_ingredients(driver, cast, wish)), recipe_in(result)
+        same = made_of_the_same(result, _ingredients(driver, cast, wish))
     except OSError:  # of a driver that is gone nothing can be made anew
         return True, f"{result}: already done", ""
-    if not found:
+    if same is None:
         return True, f"{result}: is there already, and nothing in it says what it was made of; passed by", ""
-    if found != wanted:
+    if not same:
         return False, f"{result}: is of another driver, avatar or settings; made anew", ""
+    if not is_video(result):
+        return True, f"{result}: already done", ""
     return True, f"{result}: already done", _papers(cast, wish, driver).sign_once(result)
 
 

@@ -57,6 +57,13 @@ def test_frames_that_nobody_noted_are_never_removed(tmp_path: Path, resume: bool
     assert seen(tmp_path) == ["frame_000001.png", "times.csv"]
 
 
+def test_what_a_killed_run_had_begun_to_write_is_removed(tmp_path: Path) -> None:
+    leave(tmp_path, "frame_000000.png", ".frame_000001.png.4711.partial", ".frame_1.png.4711.partial", ".cover.partial")
+    assert take_over(tmp_path, ".png", MADE_OF, resume=True) == (True, "")
+    hidden = {file.name for file in tmp_path.iterdir()}
+    assert hidden == {"frame_000000.png", ".made-of.png.json", ".frame_1.png.4711.partial", ".cover.partial"}
+
+
 def test_a_broken_note_is_another_run(tmp_path: Path) -> None:
     leave(tmp_path, "frame_000000.png")
     (tmp_path / ".made-of.png.json").write_text('{"avatar": ')

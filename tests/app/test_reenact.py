@@ -377,6 +377,23 @@ def test_resuming_makes_anew_what_is_of_other_settings(
     assert len(times(out)) == 9
 
 
+def test_resuming_whole_folders_makes_anew_what_is_of_other_settings(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "pngs"
+    assert play(tiny, clip, "-o", out) == 0
+    first = (out / "frame_000000.png").stat().st_mtime_ns
+    assert play(tiny, clip, "-o", out, "--resume") == 0
+    assert "pngs: already done" in capsys.readouterr().err
+    assert (out / "frame_000000.png").stat().st_mtime_ns == first
+    assert play(tiny, clip, "-o", out, "--background", "green", "--resume") == 0
+    assert "is of another driver, avatar or settings; made anew" in capsys.readouterr().err
+    assert (out / "frame_000000.png").stat().st_mtime_ns > first
+    (out / ".made-of.png.json").unlink()
+    assert play(tiny, clip, "-o", out, "--resume") == 0
+    assert "says what it was made of; passed by" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
