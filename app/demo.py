@@ -8,7 +8,8 @@ from typing import Literal
 from .casting import open_avatar
 from .errors import ExitCode, InputError
 from .library import DEMO_CLIP, find_avatar
-from .reenact import Wish, reenact
+from .reenact import reenact
+from .wish import Wish
 
 
 def run_demo(

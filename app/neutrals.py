@@ -11,7 +11,7 @@ from .errors import InputError, NoFaceError, UsageError
 from .frames import Frame
 from .pictures import write_png
 from .profiles import kept_cameras, load_profile
-from .sources import Source, read_image
+from .sources import IMAGE_SUFFIXES, Source, read_image
 
 SAMPLES = 32
 """Frames that ``auto`` looks at."""
@@ -40,6 +40,8 @@ def read_rule(text: str, sheet: Path | None = None) -> NeutralRule:
     kind, _, value = text.partition("=")
     if sheet is not None and text != "auto":
         raise UsageError(f"--neutral-sheet shows what --neutral auto chose from; leave it out with --neutral {text}")
+    if sheet is not None and sheet.suffix.lower() in IMAGE_SUFFIXES - {".png"}:
+        raise UsageError(f"--neutral-sheet {sheet}: a PNG is written; end it in .png")
     if kind in ("auto", "first") and not value:
         return NeutralRule(kind, sheet=sheet)  # pyright: ignore[reportArgumentType]
     if kind == "frame" and value.isdecimal():

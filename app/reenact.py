@@ -1,96 +1,35 @@
 """Reenactment: drivers in, one acting avatar out for each."""
 
-import hashlib
 import time
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, fields, replace
-from fractions import Fraction
-from itertools import zip_longest
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from ..models.driver.face import FaceTracker
-from ..models.wholefile import file_sha256
-from ..render.engines import Engine, open_engine
-from .badge import badged
-from .beside import beside_width, side_by_side
-from .casting import Avatar, Driving, check_components, check_track, expression_of, open_avatar
-from .credentials.papers import Papers, driver_of
-from .credentials.signing import Signer, open_signer
-from .credentials.statement import Statement
+from ..render.engines import open_engine
+from .casting import check_components, check_track, expression_of, open_avatar
+from .credentials.signing import open_signer
 from .errors import (
     NO_ROOM,
     CommandError,
     ExitCode,
-    InputError,
-    NoFaceError,
     OutputError,
     UsageError,
     brief,
     lacks_room,
 )
-from .following import Actor
-from .frames import Frame
-from .leftovers import take_over
-from .live import Image, Stage, perform, run_offline
-from .neutrals import AUTO, NeutralRule, find_neutral, said
+from .neutrals import AUTO, NeutralRule
+from .onedriver import Cast, OneDriver, ingredients, papers_of
 from .origin import origin_of
 from .outputs import is_video, keep_inputs, plan_outputs
-from .performance import Pose
 from .places import check_places
-from .portrait import portrait
 from .progress import ProgressBar
-from .recipes import recipe_of
-from .reports import Outcome, Tally, write_report
+from .reports import Outcome, write_report
 from .resuming import made_of_the_same
-from .sinks import TIMES_FILE, FolderSink, Sink, VideoSink, is_whole, video_codec
-from .sources import Source, files_of, open_source
-from .threads import ahead
-from .timing import Stopwatch
-from .tracks import Track, head_still, load_track
-from .video import VideoFile
-
-
-@dataclass(frozen=True)
-class Wish:
-    """What the command line asks for; the same for every driver."""
-
-    avatar: Path
-    components: int | None = None
-    size: tuple[int, int] = (512, 512)
-    neutral: NeutralRule = AUTO
-    side_by_side: bool = False
-    background: tuple[float, float, float] | None = (0.75, 0.75, 0.75)
-    head_pose: bool = True
-    resume: bool = False
-    engine: Literal["auto", "quads", "software"] = "auto"
-    driving: Driving = "learned"
-    rate: Fraction = Fraction(30)
-    """Frames per second of drivers that are pictures."""
-    track: Path | None = None
-    """Play this performance instead of following a face."""
-    no_badge: str = ""
-    """Why the SYNTHETIC badge is left out; empty draws it."""
-    name_driver: bool = False
-    """Whether the driver's file name goes into the credentials."""
-
-    def settings(self) -> dict[str, str]:
-        """What decides how results look, beside the files that are named and the neutral that is found."""
-        others = {"avatar", "track", "neutral", "resume", "engine"}
-        names = [part.name for part in fields(self) if part.name not in others]
-        return {name.replace("_", " "): str(getattr(self, name)) for name in names}
-
-
-@dataclass(frozen=True)
-class Cast:
-    """What is opened once for all drivers."""
-
-    avatar: Avatar
-    tracker: FaceTracker | None
-    engine: Engine
-    track: Track | None
-    signer: Signer | None
-    """None where the extra that signs is not installed, or its key cannot be used."""
+from .sinks import is_whole, video_codec
+from .sources import files_of
+from .tracks import head_still, load_track
+from .wish import Wish
 
 
 def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None, quiet: bool = False) -> ExitCode:
@@ -188,7 +127,7 @@ def _outcome_of(
         if kept:
             return replace(outcome, status="kept", message=message, credentials=credentials), None
         bar.say(message)
-    run = _Run(cast, wish, result, bar, started)
+    run = OneDriver(cast, wish, result, bar, started)
     status, failure = "failed", None
     try:
         run.play(driver)
@@ -229,7 +168,7 @@ def _passed_by(driver: str | None, result: Path, cast: Cast, wish: Wish) -> tupl
     What this run would make is signed where it was not; nothing is signed of which that is not known.
     """
     try:
-        same = made_of_the_same(result, _ingredients(driver, cast, wish))
+        same = made_of_the_same(result, ingredients(driver, cast, wish))
     except OSError:  # of a driver that is gone nothing can be made anew
         return True, f"{result}: already done", ""
     if same is None:
@@ -238,152 +177,7 @@ def _passed_by(driver: str | None, result: Path, cast: Cast, wish: Wish) -> tupl
         return False, f"{result}: is of another driver, avatar or settings; made anew", ""
     if not is_video(result):
         return True, f"{result}: already done", ""
-    return True, f"{result}: already done", _papers(cast, wish, driver).sign_once(result)
-
-
-def _ingredients(driver: str | None, cast: Cast, wish: Wish) -> dict[str, str]:
-    """Everything that decides what a result shows, but for the neutral that is found; engines draw alike. Raises
-    OSError where the driver cannot be read."""
-    return {
-        "avatar": cast.avatar.sha256,
-        "driver": _sha256(files_of(driver)) if driver else "",
-        "track": file_sha256(wish.track) if wish.track else "",
-        "rule": f"{wish.neutral.kind} {wish.neutral.value}",
-        **wish.settings(),
-    }
-
-
-class _Run:
-    """One driver into one result."""
-
-    def __init__(self, cast: Cast, wish: Wish, result: Path, bar: ProgressBar, started: float) -> None:
-        self._cast, self._wish, self._result, self._bar, self._started = cast, wish, result, bar, started
-        self.tally = Tally()
-        self.watch = Stopwatch()
-        self.neutral: dict[str, Any] = {}
-        self._neutral_sha256 = ""
-        self.credentials = ""
-        self.first_frame_secs = self.seconds = 0.0
-        self.left: Path | None = None
-        """The unfinished result, where one was begun."""
-
-    @property
-    def rate(self) -> float:
-        """Frames per second, from the first to the last."""
-        return self.tally.frames / max(1e-9, self.seconds - self.first_frame_secs)
-
-    def play(self, driver: str | None) -> None:
-        """Everything from opening the driver to the finished file. Raises CommandError, KeyboardInterrupt."""
-        cast, wish = self._cast, self._wish
-        source = open_source(driver, wish.rate) if driver else None
-        performance = self._performance(source)
-        self._bar.say_once(origin_of(cast.avatar).said())
-        timing = cast.track or source
-        assert timing is not None
-        width, height = wish.size
-        extra = beside_width(source.size, height) if source and wish.side_by_side else 0
-        gem = cast.avatar.gem
-        stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
-        papers = _papers(cast, wish, driver, beside=extra > 0)
-        sink = self._sink((width + extra, height), timing.time_base, timing.rate, source, papers)
-        self.left = sink.partial
-        self._bar.begin(self._result.name, timing.frame_count)
-
-        def finish(picture: Image, frame: Frame | None) -> Image:
-            picture = side_by_side(frame.rgb, picture, extra) if extra and frame else picture
-            return picture if wish.no_badge else badged(picture)
-
-        try:
-            run_offline(performance, stage, finish, sink, self._tell)
-            if isinstance(source, VideoFile) and source.left_out:
-                self._bar.say(
-                    f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
-                    " of it, convert it to mp4"
-                )
-            self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
-        finally:
-            self.seconds = time.perf_counter() - self._started
-        if cast.track is None and self.tally.without_face == self.tally.frames:
-            raise NoFaceError(f"{driver}: no face in any frame; {self._result} shows the avatar at rest")
-
-    def _performance(self, source: Source | None) -> Iterable[tuple[Frame | None, Pose, int]]:
-        if self._cast.track is not None:
-            return iter(self._cast.track) if source is None else _paired(self._cast.track, source)
-        assert source is not None
-        assert self._cast.tracker is not None
-        with self.watch("neutral"):
-            neutral = find_neutral(self._wish.neutral, source, self._cast.tracker)
-        self._bar.say(f"{source.path}: neutral: {said(neutral, self._wish.neutral)}")
-        self._neutral_sha256 = hashlib.sha256(neutral.features.tobytes() + neutral.rotation.tobytes()).hexdigest()
-        self.neutral = {
-            "rule": self._wish.neutral.kind,
-            "seconds": round(neutral.time, 3),
-            "why": neutral.reason,
-            "others_seconds": [round(candidate.time, 3) for candidate in neutral.candidates[1:]],
-        }
-        avatar = self._cast.avatar
-        actor = Actor(
-            tracker=self._cast.tracker,
-            neutral=neutral,
-            express=expression_of(avatar, self._wish.driving),
-            gem=avatar.gem,
-            lids=avatar.lids,
-            head_pose=self._wish.head_pose,
-        )
-        return perform(actor, ahead(source.frames()), self.watch)
-
-    def _sink(
-        self, size: tuple[int, int], time_base: Fraction, rate: Fraction, source: Source | None, papers: Papers
-    ) -> Sink:
-        transparent = self._wish.background is None
-        if not is_video(self._result):
-            made_of = self._made_of(source)
-            kept, why_not = take_over(self._result, ".png", made_of, self._wish.resume, [TIMES_FILE])
-            if why_not:
-                self._bar.say(why_not)
-            return FolderSink(self._result, time_base, kept, papers.signed_png)
-        audio = source.path if isinstance(source, VideoFile) and source.has_audio else None
-        if isinstance(source, VideoFile) and source.has_unreadable_audio:
-            self._bar.say(f"{source.path}: its sound is of a kind that cannot be read here; the result has none")
-        recipe = recipe_of(_ingredients(None if source is None else str(source.path), self._cast, self._wish))
-        return VideoSink(self._result, size, time_base, rate, transparent, audio, recipe)
-
-    def _made_of(self, source: Source | None) -> dict[str, str]:
-        """Everything that decides what the pictures show."""
-        driver = None if source is None else str(source.path)
-        return {**_ingredients(driver, self._cast, self._wish), "neutral": self._neutral_sha256}
-
-    def _tell(self, index: int, pose: Pose) -> None:
-        if index == 0:
-            self.first_frame_secs = time.perf_counter() - self._started
-        self.tally.add(pose)
-        self._bar.advance()
-
-
-def _papers(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) -> Papers:
-    """What is signed into a result."""
-    if cast.signer is None:
-        return Papers(None, Statement((), driver_of(None, None)))
-    told = driver_of(driver, wish.track, wish.name_driver)
-    return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside))
-
-
-def _sha256(files: Iterable[Path]) -> str:
-    """Of all that is in these files, in their order; folders among them are passed over."""
-    return hashlib.sha256("".join(file_sha256(file) for file in files if file.is_file()).encode()).hexdigest()
-
-
-def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
-    """A track with the frames it was made from, for their sound and for side by side."""
-    cure = "give the video that was tracked, or track this one"
-    for shot, frame in zip_longest(track, ahead(source.frames())):
-        if shot is None or frame is None:
-            what = "goes on after" if shot is None else "ends before"
-            raise InputError(f"{source.path}: {what} the {track.frame_count} frames of the track; {cure}")
-        _, pose, pts = shot
-        if frame.pts * source.time_base != pts * track.time_base:
-            raise InputError(f"{source.path}: its times are not those of the track; {cure}")
-        yield frame, pose, pts
+    return True, f"{result}: already done", papers_of(cast, wish, driver).sign_once(result)
 
 
 def _settings(wish: Wish, cast: Cast) -> dict[str, Any]:

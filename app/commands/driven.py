@@ -55,8 +55,8 @@ def reenact(
     from ..library import find_avatar
     from ..neutrals import read_rule
     from ..reasons import read_reason
-    from ..reenact import Wish
     from ..reenact import reenact as run
+    from ..wish import Wish
     from ..words import read_colour, read_rate, read_size
 
     wish = Wish(

@@ -230,7 +230,7 @@ def test_what_nobody_foresaw_in_one_driver_does_not_stop_the_others(
             raise AttributeError("no name")
         return open_source(path, rate)
 
-    monkeypatch.setattr("gemheads.app.reenact.open_source", odd)
+    monkeypatch.setattr("gemheads.app.onedriver.open_source", odd)
     other = tmp_path / "other.mp4"
     other.write_bytes(clip.read_bytes())
     words = (clip, other, "-o", tmp_path / "all", "--report", tmp_path / "r.json")
@@ -263,6 +263,22 @@ def test_neutral_by_picture_by_frame_and_by_time(tiny: Path, clip: Path, tmp_pat
         assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral", rule) == code, rule
 
 
+def test_what_shows_nobody_is_no_result(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The neutral is known, so that only the end tells; it does so each time, and leaves what was there before."""
+    cv2.imwrite(str(tmp_path / "rest.png"), pictures(clip)[0][..., ::-1])
+    empty, out = cut_clip(tmp_path / "empty.mp4", VARIABLE, range(len(VARIABLE))), tmp_path / "out.mp4"
+    out.write_bytes(b"of before")
+    words = (empty, "-o", out, "--neutral", f"image={tmp_path / 'rest.png'}")
+    assert play(tiny, *words) == ExitCode.NO_FACE
+    assert f"no face in any frame; {tmp_path / 'out.partial.mp4'} shows the avatar at rest" in capsys.readouterr().err
+    assert out.read_bytes() == b"of before"
+    out.unlink()
+    assert play(tiny, *words, "--resume") == ExitCode.NO_FACE
+    assert not out.exists()
+
+
 def test_a_contact_sheet_only_where_asked_for(
     tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -278,6 +294,7 @@ def test_a_contact_sheet_only_where_asked_for(
     assert play(tiny, clip, other, "-o", tmp_path / "all", "--neutral-sheet", tmp_path / "sheets") == 0
     assert sorted(file.name for file in (tmp_path / "sheets").iterdir()) == ["other.png", "talk.png"]
     assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", tmp_path / "sheets") == ExitCode.OUTPUT
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", tmp_path / "a.jpg") == ExitCode.USAGE
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal")
@@ -435,7 +452,7 @@ def test_a_full_disk_that_is_not_the_results_is_said_plainly(
     def full(path: str, rate: Fraction) -> Source:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("gemheads.app.reenact.open_source", full)
+    monkeypatch.setattr("gemheads.app.onedriver.open_source", full)
     assert play(tiny, clip, "-o", tmp_path / "out.mp4") == ExitCode.OUTPUT
     said = capsys.readouterr().err
     assert "talk.mp4: a disk is full: make room" in said

@@ -12,8 +12,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 from gemheads.app.library import DEMO_CLIP, find_avatar
-from gemheads.app.reenact import Wish, reenact
+from gemheads.app.reenact import reenact
 from gemheads.app.video import VideoFile
+from gemheads.app.wish import Wish
 from numpy.typing import NDArray
 
 SIDE = 224
