@@ -107,7 +107,7 @@ def train_regressor(
             it has one.
         pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
             learned; of each companion as many.
-        steps: training steps of each network that ships; a response and the network that rehearses take a third.
+        steps: training steps of each network that ships; a response takes a third.
         seed: makes the run repeatable.
         progress: called with the stage's name, steps done and steps in all.
         jobs: processes that draw pictures and teach networks; what is learned does not depend on it.
