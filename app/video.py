@@ -143,7 +143,7 @@ def open_container(path: Path) -> Any:
 
 
 def video_stream(container: Any, path: Path) -> Any:
-    """The first stream that is a video and no cover picture. Raises InputError without one."""
+    """The largest stream that is a video and no cover picture. Raises InputError without one."""
     stream = main_video(container)
     if stream is None:
         raise InputError(f"{path}: there is no video in this file (sound only?); give a file that shows a face")

@@ -42,7 +42,7 @@ JUDGING = 2000
 REHEARSALS = 4
 """So often the avatar acts before the tracker. First what the regressor answers that it has, if it has one: that was
 taught well already. Else what its response says would follow best, found by descent: there every error of the response
-shows, which a network that was taught with it hardly finds. Of lowered brows and kisses it knew little before."""
+shows, which a network that was taught with it hardly finds."""
 REHEARSED = 1.0
 """Pictures that it acts in each time, against the random ones, which say little of the faces that strangers ask for."""
 FEWEST_OF_STRANGERS = 200

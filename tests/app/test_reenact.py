@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -25,46 +24,15 @@ from gemheads.app.tracks import Track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 
+from .clips import SIZE, VARIABLE, cut_clip, pictures, play, times
 from .conftest import make_sound_unknown
 
 pytestmark = pytest.mark.skipif(not DEMO_CLIP.is_file(), reason=f"the demo clip is missing: {DEMO_CLIP}")
-SIZE = ("--size", "64x64", "--engine", "software")
-
-
-def cut_clip(path: Path, pts: Sequence[int], hidden: range = range(0)) -> Path:
-    """The first frames of the demo clip with these times in 1/30000 s and a tone; in ``hidden`` nobody is seen."""
-    options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": "30000"}
-    with av.open(str(DEMO_CLIP)) as demo, av.open(str(path), "w", options=options) as out:
-        stream = out.add_stream("libx264", rate=30, options={"preset": "ultrafast", "bf": "0"})
-        source = demo.streams.video[0]
-        stream.width, stream.height, stream.pix_fmt = source.width, source.height, "yuv420p"
-        stream.time_base = stream.codec_context.time_base = Fraction(1, 30000)
-        audio = out.add_stream("aac", rate=48000, layout="mono")
-        for index, (picture, instant) in enumerate(zip(demo.decode(source), pts, strict=False)):
-            image = picture.to_ndarray(format="rgb24")
-            frame = av.VideoFrame.from_ndarray(np.full_like(image, 90) if index in hidden else image, format="rgb24")
-            frame.pts, frame.time_base = instant, Fraction(1, 30000)
-            out.mux(stream.encode(frame))
-        out.mux(stream.encode())
-        for start in range(0, 48000 * pts[-1] // 30000, 1024):
-            samples = np.sin(np.arange(start, start + 1024) * 0.05).astype(np.float32)[None]
-            tone = av.AudioFrame.from_ndarray(samples, format="fltp", layout="mono")
-            tone.pts, tone.sample_rate, tone.time_base = start, 48000, Fraction(1, 48000)
-            out.mux(audio.encode(tone))
-        out.mux(audio.encode())
-    return path
-
-
-VARIABLE = tuple(int(t) for t in np.cumsum([2002, *[1001, 1500, 500, 1001] * 6]))
 
 
 @pytest.fixture
 def clip(tmp_path: Path) -> Path:
     return cut_clip(tmp_path / "talk.mp4", VARIABLE)
-
-
-def play(tiny: Path, *words: str | Path) -> int:
-    return main(["reenact", *map(str, words), "--avatar", str(tiny), "--driver", "baseline", *SIZE])
 
 
 def write_track(path: Path, tiny: Path, frames: int) -> Path:
@@ -77,16 +45,6 @@ def write_track(path: Path, tiny: Path, frames: int) -> Path:
     pts = np.cumsum([2002, *[1001, 1500, 500, 1001] * 25])[:frames]
     save_track(Track("tiny", file_sha256(tiny), Fraction(1, 30000), Fraction(30), pts, poses), path)
     return path
-
-
-def times(path: Path) -> list[Fraction]:
-    with av.open(str(path)) as container:
-        return [frame.pts * frame.time_base for frame in container.decode(video=0)]
-
-
-def pictures(path: Path) -> np.ndarray:
-    with av.open(str(path)) as container:
-        return np.stack([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
 
 
 def sound(path: Path) -> list[bytes]:
@@ -128,41 +86,6 @@ def test_a_lost_face_is_counted(tiny: Path, tmp_path: Path) -> None:
     assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--report", tmp_path / "r.json") == 0
     run = json.loads((tmp_path / "r.json").read_text())["runs"][0]
     assert (run["frames"], run["losses"], run["frames_without_face"]) == (30, 1, 16)
-
-
-def test_pngs_with_alpha_and_resuming_a_folder(tiny: Path, clip: Path, tmp_path: Path) -> None:
-    out = tmp_path / "pngs"
-    words = (clip, "-o", out, "--background", "transparent")
-    assert play(tiny, *words) == 0
-    files = sorted(out.glob("*.png"))
-    assert len(files) == len(VARIABLE)
-    image = cv2.imread(str(files[5]), cv2.IMREAD_UNCHANGED)
-    assert image.shape == (64, 64, 4)
-    assert image[0, 0, 3] == 0
-    assert image[32, 32, 3] > 200
-    kept, lost = files[3].read_bytes(), image
-    files[3].write_bytes(b"mine")
-    files[5].unlink()
-    (out / "times.csv").unlink()
-    assert play(tiny, *words, "--resume") == 0
-    assert files[3].read_bytes() == b"mine" != kept
-    assert np.array_equal(cv2.imread(str(files[5]), cv2.IMREAD_UNCHANGED), lost)
-    assert len((out / "times.csv").read_text().splitlines()) == len(VARIABLE) + 1
-
-
-def test_several_drivers_and_resuming_what_is_left(tiny: Path, clip: Path, tmp_path: Path) -> None:
-    other = tmp_path / "other.mp4"
-    other.write_bytes(clip.read_bytes())
-    broken = tmp_path / "broken.mp4"
-    broken.write_text("no video")
-    out, report = tmp_path / "all", tmp_path / "r.json"
-    assert play(tiny, clip, broken, other, "-o", out) == ExitCode.INPUT
-    assert sorted(file.name for file in out.iterdir()) == ["other.mp4", "talk.mp4"]
-    before = (out / "talk.mp4").stat().st_mtime_ns
-    (out / "other.mp4").unlink()
-    assert play(tiny, clip, other, "-o", out, "--resume", "--report", report) == 0
-    assert (out / "talk.mp4").stat().st_mtime_ns == before
-    assert [run["status"] for run in json.loads(report.read_text())["runs"]] == ["kept", "done"]
 
 
 def test_a_driver_is_not_written_over_by_the_result_of_another(tiny: Path, clip: Path, tmp_path: Path) -> None:
@@ -352,63 +275,6 @@ def test_a_result_is_badged_and_signed_and_says_whose_face_it_is(
     said = capsys.readouterr().out
     assert "talk" not in said
     assert "Badge        drawn" in said
-
-
-def test_resuming_signs_what_a_kill_left_unsigned(
-    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    pytest.importorskip("c2pa", reason="the extra gemheads[credentials] is not installed")
-    out = tmp_path / "out.mp4"
-    with monkeypatch.context() as patch:
-        patch.setattr("gemheads.app.reenact.open_signer", lambda: (None, ""))
-        assert play(tiny, clip, "-o", out) == 0
-    assert main(["verify", str(out)]) == ExitCode.UNSIGNED
-    assert play(tiny, clip, "-o", out, "--resume") == 0
-    assert main(["verify", str(out)]) == 0
-
-
-def test_resuming_keeps_what_nobody_knows_and_signs_none_of_it(
-    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    foreign = tmp_path / "foreign.mp4"
-    foreign.write_bytes(clip.read_bytes())
-    assert play(tiny, clip, "-o", foreign, "--resume") == 0
-    assert "nothing in it says what it was made of; passed by" in capsys.readouterr().err
-    assert foreign.read_bytes() == clip.read_bytes()
-
-
-def test_resuming_makes_anew_what_is_of_other_settings(
-    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "out.mp4"
-    assert play(tiny, clip, "-o", out) == 0
-    first = out.read_bytes()
-    assert play(tiny, clip, "-o", out, "--resume") == 0
-    assert out.read_bytes() == first
-    other = cut_clip(tmp_path / "other.mp4", VARIABLE[:9])
-    for words in ((clip, "--background", "green"), (other,)):
-        before = out.read_bytes()
-        assert play(tiny, *words, "-o", out, "--resume") == 0
-        assert "is of another driver, avatar or settings; made anew" in capsys.readouterr().err
-        assert out.read_bytes() != before
-    assert len(times(out)) == 9
-
-
-def test_resuming_whole_folders_makes_anew_what_is_of_other_settings(
-    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "pngs"
-    assert play(tiny, clip, "-o", out) == 0
-    first = (out / "frame_000000.png").stat().st_mtime_ns
-    assert play(tiny, clip, "-o", out, "--resume") == 0
-    assert "pngs: already done" in capsys.readouterr().err
-    assert (out / "frame_000000.png").stat().st_mtime_ns == first
-    assert play(tiny, clip, "-o", out, "--background", "green", "--resume") == 0
-    assert "is of another driver, avatar or settings; made anew" in capsys.readouterr().err
-    assert (out / "frame_000000.png").stat().st_mtime_ns > first
-    (out / ".made-of.png.json").unlink()
-    assert play(tiny, clip, "-o", out, "--resume") == 0
-    assert "says what it was made of; passed by" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
