@@ -11,6 +11,7 @@ from .network import RegressorNetwork
 from .response import HUBER
 from .strangers import Crowd, Person
 from .threads import one_torch_thread
+from .workers import ALONE, Advance, Workers
 
 BATCH = 256
 PRIOR = 0.3
@@ -28,7 +29,7 @@ LABELS = 1.0
 """Price of missing the known weights on the avatar's own pictures."""
 STRIDE, STRIDES = 0.1, 120
 """The first step of the descent to the best weights, and how many there are, each smaller than the one before."""
-AT_ONCE = 2000
+AT_ONCE = 1000
 """So many moments descend together; each goes its own way."""
 
 
@@ -70,17 +71,18 @@ class ClosedLoop:
         labelled = network.steered(*(array[known] for array in self._own))
         return loss + LABELS * ((labelled - self._known[known]) ** 2).mean()
 
-    def best(self) -> NDArray[np.float32]:
+    def best(self, workers: Workers = ALONE) -> NDArray[np.float32]:
         """[S, E] the control weights with which the avatar follows each moment of the people best, as the mean of all
         responses knows it and at the same prices: what a network strives for, and what it never sees whole.
 
-        Found by descent (Adam). Where responses err, this is the first to run into it.
+        Found by descent (Adam). Where responses err, this is the first to run into it. Raises WorkerLost.
         """
-        parts = range(0, len(self._wanted), AT_ONCE)
-        return np.concatenate([self._best(slice(first, first + AT_ONCE)) for first in parts])
+        parts = [(self, slice(first, first + AT_ONCE)) for first in range(0, len(self._wanted), AT_ONCE)]
+        return np.concatenate(workers.each(_best, parts))
 
     @one_torch_thread()
-    def _best(self, rows: slice) -> NDArray[np.float32]:
+    def best_of(self, rows: slice) -> NDArray[np.float32]:
+        """The same for the moments ``rows``."""
         network, start, wanted = self._network, self._people[1][rows], self._wanted[rows]
         ways = torch.zeros_like(start, requires_grad=True)
         optimizer = torch.optim.Adam([ways], STRIDE)
@@ -112,6 +114,12 @@ class ClosedLoop:
     def _shown(self, weights: Tensor, one: int) -> Tensor:
         """What is read on the avatar from the front, relative to its neutral, as one of the responses knows it."""
         return self._responses[one](weights, torch.zeros(len(weights), 3)) - self._rests[one]
+
+
+def _best(advance: Advance, loop: ClosedLoop, rows: slice) -> NDArray[np.float32]:
+    found = loop.best_of(rows)
+    advance()
+    return found
 
 
 @one_torch_thread()

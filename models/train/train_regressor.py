@@ -28,7 +28,7 @@ from .leaks import Leaks
 from .network import RegressorNetwork
 from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
-from .response import PORTRAIT, Responses, fit_response, joined
+from .response import PORTRAIT, ResponseModel, Responses, fit_response, joined
 from .series import LENGTH, Series, draw_series
 from .strangers import Crowd, Person, crowd, in_tolerances
 from .turns import PORTRAITS, learned_turns
@@ -39,7 +39,7 @@ CROWD = 120_000
 by heart: with 40,000 more steps followed the avatars better and people worse."""
 JUDGING = 2000
 """The same held out of training."""
-REHEARSALS = 4
+REHEARSALS = 5
 """So often the avatar acts before the tracker. First what the regressor answers that it has, if it has one: that was
 taught well already. Else what its response says would follow best, found by descent: there every error of the response
 shows, which a network that was taught with it hardly finds."""
@@ -170,18 +170,18 @@ def regressor_for(
     )
     practised = former or _practised(gem)
     for _ in range(REHEARSALS):
-        avatar, _ = person_of(own, brief, seed, RESPONSES if practised is None else 1)
+        avatar, _ = person_of(own, brief, seed, RESPONSES if practised is None else 1, workers)
         audience = crowd([avatar, *others], leaks, footage, max(1, int(pictures * REHEARSED)), rng)
         if practised is not None:
             answers, practised = remembered(practised.regressor, practised.controls, audience), None
         else:
             untaught = RegressorNetwork(compared_channels(own.features), controls)
-            answers = ClosedLoop(untaught, avatar, audience).best()
+            answers = ClosedLoop(untaught, avatar, audience).best(workers)
         acted = rehearse(
             gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total), workers
         )
         own = joined([own, acted])
-    avatar, r2 = person_of(own, brief, seed, RESPONSES)
+    avatar, r2 = person_of(own, brief, seed, RESPONSES, workers)
     school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
@@ -190,7 +190,7 @@ def regressor_for(
     portraits = rehearse(
         gem, controls, answers, audience, rng, lambda done, total: progress("portraits", done, total), workers, PORTRAIT
     )
-    graph = with_turns(export_onnx(members), learned_turns(portraits, steps, seed).poses)
+    graph = with_turns(export_onnx(members), learned_turns(portraits, steps, seed, workers).poses)
     return graph, TrainingReport(len(own), r2, before, school.mismatch(members))
 
 
@@ -288,10 +288,26 @@ def pictures_of(
     return draw_series(gem, controls, series, progress, workers)
 
 
-def person_of(seen: Responses, steps: int, seed: int, responses: int = 1) -> tuple[Person, float]:
+def person_of(
+    seen: Responses, steps: int, seed: int, responses: int = 1, workers: Workers = ALONE
+) -> tuple[Person, float]:
     """An avatar with its response F, learned from its pictures ``responses`` times, and the share of variance that the
-    first of them explains."""
-    inputs = (torch.from_numpy(seen.weights), torch.from_numpy(seen.rotations))
-    channels = torch.from_numpy(in_tolerances(seen.features))
-    learned = [fit_response(inputs, channels, steps, seed + one) for one in range(responses)]
+    first of them explains. Raises WorkerLost."""
+    channels = in_tolerances(seen.features)
+    lessons = [(seen.weights, seen.rotations, channels, steps, seed + one) for one in range(responses)]
+    learned = workers.each(_learned, lessons)
     return Person(seen, learned[0][0], tuple(response for response, _ in learned[1:])), learned[0][1]
+
+
+def _learned(
+    advance: Advance,
+    weights: NDArray[np.float32],
+    rotations: NDArray[np.float32],
+    channels: NDArray[np.float32],
+    steps: int,
+    seed: int,
+) -> tuple[ResponseModel, float]:
+    inputs = (torch.from_numpy(weights), torch.from_numpy(rotations))
+    learned = fit_response(inputs, torch.from_numpy(channels), steps, seed)
+    advance()
+    return learned

@@ -75,7 +75,7 @@ def train_turns(
             workers,
             PORTRAIT,
         )
-    turns = learned_turns(portraits, steps, seed)
+        turns = learned_turns(portraits, steps, seed, workers)
     assert gem.regressor is not None
     taught = replace(gem, regressor=with_turns(gem.regressor, turns.poses))
     Regressor.of(taught)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from .pose_response import LOST, UNIT, PoseResponse, fit_pose_response
 from .response import Responses
+from .workers import ALONE, Advance, Workers
 
 PORTRAITS = 1.5
 """Portraits, against the random pictures of an avatar. Turns are read off portraits with half as much noise as off
@@ -32,17 +33,23 @@ class Turns:
     """... and by how much otherwise than is known."""
 
 
-def learned_turns(seen: Responses, steps: int, seed: int) -> Turns:
-    """Learns from portraits of an avatar, in ``steps`` for each model."""
+def learned_turns(seen: Responses, steps: int, seed: int, workers: Workers = ALONE) -> Turns:
+    """Learns from portraits of an avatar, in ``steps`` for each model. Raises WorkerLost."""
     held = np.arange(len(seen)) % JUDGING == JUDGING - 1
     learned, judged = seen.only(~held), seen.only(held)
-    poses = [fit_pose_response(learned, steps, seed + one) for one in range(POSES)]
+    poses = workers.each(_learned, [(learned, steps, seed + one) for one in range(POSES)])
     beyond = judged.seen_rotations - judged.rotations
     inputs = torch.from_numpy(judged.weights), torch.from_numpy(judged.rotations)
     known = UNIT * torch.stack([pose.misread(*inputs) for pose in poses]).mean(0).numpy()
     found = np.abs(beyond).max(1) < LOST
     missed, left = (_rms_deg(one[found]) for one in (beyond, beyond - known))
     return Turns(poses, len(learned), missed, left)
+
+
+def _learned(advance: Advance, seen: Responses, steps: int, seed: int) -> PoseResponse:
+    pose = fit_pose_response(seen, steps, seed)
+    advance()
+    return pose
 
 
 def _rms_deg(errors: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -15,12 +15,18 @@ import pytest
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 import labour  # noqa: E402
+from gemheads.models.arkit import NAMES  # noqa: E402
 from gemheads.models.driver.features import DIMENSION  # noqa: E402
 from gemheads.models.gemfile import load_gem  # noqa: E402
-from gemheads.models.train import series, train_regressor  # noqa: E402
+from gemheads.models.train import closing, series, train_regressor  # noqa: E402
 from gemheads.models.train.bystanders import leaks_of_bystanders  # noqa: E402
+from gemheads.models.train.closing import ClosedLoop  # noqa: E402
 from gemheads.models.train.controls import controls_of  # noqa: E402
 from gemheads.models.train.leaks import Leaks, pose_leak  # noqa: E402
+from gemheads.models.train.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.reduction import compared_channels  # noqa: E402
+from gemheads.models.train.strangers import Person, crowd  # noqa: E402
+from gemheads.models.train.turns import learned_turns  # noqa: E402
 from gemheads.models.train.workers import WorkerLost, Workers  # noqa: E402
 from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402
@@ -28,6 +34,12 @@ from toygem import toy_gem  # noqa: E402
 MARA = Path(__file__).parents[3] / "assets" / "avatars" / "mara.gem"
 SOON = 20.0
 """Seconds; a worker needs some to start."""
+
+
+def somebody(pictures: int) -> Person:
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(0, 0.1, (rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    return linear_person(shapes, leak, pictures, 1)
 
 
 @pytest.fixture(scope="module")
@@ -121,8 +133,7 @@ def test_bystanders_are_the_same_however_many_look(workers: Workers) -> None:
 def test_networks_are_the_same_however_many_learn(workers: Workers, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(train_regressor, "CROWD", 400)
     controls, rng = controls_of(toy_gem()), np.random.default_rng(0)
-    shapes, leak = (rng.normal(0, 0.1, (rows, DIMENSION)).astype("f4") for rows in (len(controls.lower), 3))
-    person = linear_person(shapes, leak, 200, 1)
+    person = somebody(200)
     leaks = Leaks(pose_leak(person.seen)[None])
     school = train_regressor._School(controls, [person], leaks, np.empty((0, DIMENSION + 3), "f4"), rng)
     reached: list[tuple[int, int]] = []
@@ -136,3 +147,33 @@ def test_networks_are_the_same_however_many_learn(workers: Workers, monkeypatch:
         for name, value in one.state_dict().items():
             assert torch.equal(value, other.state_dict()[name]), name
     assert not torch.equal(alone[0].layers[0].weight, alone[1].layers[0].weight)
+
+
+def test_responses_are_the_same_however_many_learn(workers: Workers) -> None:
+    seen = somebody(200).seen
+    (alone, r2), (shared, r2_shared) = (
+        train_regressor.person_of(seen, 20, 3, responses=2, workers=one) for one in (Workers(), workers)
+    )
+    assert r2 == r2_shared
+    for one, other in zip((alone.response, *alone.doubters), (shared.response, *shared.doubters), strict=True):
+        assert torch.equal(one.linear.weight, other.linear.weight)
+    assert not torch.equal(alone.response.linear.weight, alone.doubters[0].linear.weight)
+
+
+def test_what_follows_best_is_the_same_however_many_descend(workers: Workers, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(closing, "AT_ONCE", 30)
+    controls, rng = controls_of(toy_gem()), np.random.default_rng(0)
+    person = somebody(200)
+    people = crowd([person], Leaks(pose_leak(person.seen)[None]), np.empty((0, DIMENSION + 3), "f4"), 100, rng)
+    loop = ClosedLoop(RegressorNetwork(compared_channels(people.features), controls), person, people)
+    alone, shared = loop.best(), loop.best(workers)
+    np.testing.assert_array_equal(alone, shared)
+    assert len(shared) == 100
+
+
+def test_turns_are_the_same_however_many_learn(workers: Workers) -> None:
+    seen = somebody(100).seen
+    alone, shared = (learned_turns(seen, 10, 2, one) for one in (Workers(), workers))
+    np.testing.assert_array_equal(alone.left_deg, shared.left_deg)
+    for one, other in zip(alone.poses, shared.poses, strict=True):
+        assert torch.equal(one.linear.weight, other.linear.weight)
