@@ -60,8 +60,6 @@ def _planned(wish: TrainWish) -> "Plan":
         raise UsageError(f"--preset {wish.preset}: choose from {', '.join(PRESETS)}")
     if wish.steps is not None and not LEAST_STEPS <= wish.steps <= MOST_STEPS:
         raise UsageError(f"--steps {wish.steps}: choose from {LEAST_STEPS} to {MOST_STEPS}")
-    if wish.seed < 0:
-        raise UsageError(f"--seed {wish.seed}: choose 0 or more")
     if wish.maps is not None and wish.maps not in MAPS:
         raise UsageError(f"--maps {wish.maps}: choose from {', '.join(map(str, MAPS))}")
     return PRESETS[wish.preset].changed(wish.steps, wish.perceptual, wish.seed, wish.model, wish.maps)

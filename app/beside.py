@@ -6,12 +6,15 @@ from numpy.typing import NDArray
 Image = NDArray[np.uint8]
 ROUNDED_PX = 2
 """So much narrower or lower pictures fill the room: a video's width is rounded to an even number."""
+WIDEST = 3
+"""Heights. A wider picture of a driver stays lower than the avatar's: beside the largest avatar, of 4096 pixels a side,
+H.264 has room for no more (16384)."""
 
 
 def beside_width(driver_size: tuple[int, int], height: int) -> int:
-    """Width in pixels, even, of the driver scaled to ``height``."""
+    """Width in pixels, even, of the driver scaled to ``height``; at most WIDEST times that."""
     width, full_height = driver_size
-    return max(2, 2 * round(width * height / full_height / 2))
+    return max(2, 2 * round(min(width / full_height, WIDEST) * height / 2))
 
 
 def side_by_side(driver: Image, avatar: Image, width: int) -> Image:

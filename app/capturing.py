@@ -60,8 +60,6 @@ def _check(plan: Plan) -> None:
         )
     if not 0 <= plan.tracking_noise_m <= MOST_NOISE_MM / 1000:
         raise UsageError(f"--tracking-noise {1000 * plan.tracking_noise_m:g}: must be from 0 to {MOST_NOISE_MM:g} mm")
-    if plan.seed < 0:
-        raise UsageError(f"--seed {plan.seed}: must be 0 or more")
 
 
 def _claim(out: Path, order: dict[str, object]) -> None:

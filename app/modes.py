@@ -26,6 +26,8 @@ STEPS = 5
 GROUND = (1.0, 1.0, 1.0)
 LABEL_PX = 28
 """Height of the line of text above each row."""
+MOST_PIXELS = 2**27
+"""50 components of each modality at 256x256 are a half of it, and as RGB it fills 400 MB."""
 
 
 class Draws(Protocol):
@@ -77,6 +79,10 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
         raise UsageError(f"-o {out}: the picture is a PNG; end its name in .png")
     keep_inputs([out], [path])
     gem = open_avatar(path).gem
+    rows = sum(min(components, len(gem.bases[modality])) for modality in MODALITIES)
+    wide, high = STEPS * size[0], rows * (LABEL_PX + size[1])
+    if wide * high > MOST_PIXELS:
+        raise UsageError(f"{wide}x{high} pixels are no picture that opens; ask for fewer --components or less --size")
     drawer = open_engine(engine)
     try:
         pictures = [

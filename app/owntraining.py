@@ -87,7 +87,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
 def _check(wish: OwnWish) -> None:
     if wish.pictures and wish.pictures < LEAST_PICTURES:
         raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more, or 0 for the frames alone")
-    check_learning(wish.steps, wish.seed, wish.jobs)
+    check_learning(wish.steps, wish.jobs)
 
 
 def _document(learned: "CaptureRegressor", judged: "SelfReenactment | None") -> dict[str, object]:

@@ -59,8 +59,6 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
         raise InputError(f"refining needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if not LEAST <= wish.iterations <= MOST:
         raise UsageError(f"--iterations {wish.iterations}: choose from {LEAST} to {MOST}")
-    if wish.seed < 0:
-        raise UsageError(f"--seed {wish.seed}: choose 0 or more")
     if out.suffix != ".gem":
         raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
     cast, footage = open_avatar(avatar), opened(capture)

@@ -120,6 +120,8 @@ def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
     files = _sequence(path)
     if files:
         return Images(path, files, rate)
+    if path.exists():
+        raise InputError(f"{path}: a pipe or device, and a driver is read twice; save it as a file first")
     raise InputError(f"{path}: no such file or folder; check the path")
 
 

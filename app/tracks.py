@@ -17,8 +17,8 @@ from .state import Phase
 from .tensorfile import read_json, read_ratio, read_tensor_file
 
 FORMAT = "gemheads-track"
-VERSION = 2
-"""Version 1 knows no ``translation``: there the head is where it rests."""
+VERSION = 3
+"""Version 1 knows no ``translation``: there the head is where it rests; 1 and 2 do not say where a scene begins."""
 MAX_TRANSLATION_M = 100.0
 """A head farther from its place than this is a mistake in somebody's units."""
 MAX_BYTES = 2**30
@@ -29,6 +29,7 @@ MAX_RATE = 1000
 _TENSORS = {
     1: ("pts", "coefficients", "turn", "phase", "faces", "clamped"),
     2: ("pts", "coefficients", "turn", "translation", "phase", "faces", "clamped"),
+    3: ("pts", "coefficients", "turn", "translation", "phase", "faces", "clamped", "cut"),
 }
 """Version -> what is in it."""
 
@@ -74,6 +75,7 @@ def save_track(track: Track, path: Path) -> None:
         "phase": np.array([pose.phase.value for pose in track.poses], np.uint8),
         "faces": np.array([pose.faces for pose in track.poses], np.uint8),
         "clamped": np.array([pose.clamped for pose in track.poses], np.float32),
+        "cut": np.array([pose.cut for pose in track.poses], np.bool_),
     }
     about = {
         "version": VERSION,
@@ -114,12 +116,13 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
         raise ValueError("pts must be [F] and coefficients [F, n]")
     frames, width = tensors["coefficients"].shape
     shapes = {"coefficients": (width,), "turn": (3,), "translation": (3,)}
-    kinds = {"pts": np.int64, "coefficients": np.float32, "turn": np.float32, "phase": np.uint8, "faces": np.uint8}
+    kinds = {"pts": np.int64, "phase": np.uint8, "faces": np.uint8, "cut": np.bool_}
     for name, values in tensors.items():
         if values.shape != (frames, *shapes.get(name, ())) or values.dtype != kinds.get(name, np.float32):
             raise ValueError(f"tensor {name} is {values.dtype}{list(values.shape)}")
         if values.dtype == np.float32 and not np.isfinite(values).all():
             raise ValueError(f"tensor {name} has values that are not finite")
+    cut = tensors.get("cut", np.zeros(frames, np.bool_))
     translation = np.asarray(tensors.get("translation", np.zeros((frames, 3))), np.float32)
     if (np.abs(translation) > MAX_TRANSLATION_M).any():
         raise ValueError(f"tensor translation moves the head by more than {MAX_TRANSLATION_M:g} m")
@@ -139,6 +142,7 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
             Phase(int(tensors["phase"][i])),
             int(tensors["faces"][i]),
             float(tensors["clamped"][i]),
+            bool(cut[i]),
             translation=translation[i],
         )
         for i in range(frames)

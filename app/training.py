@@ -42,7 +42,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if wish.pictures < LEAST_PICTURES:
         raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more")
-    check_learning(wish.steps, wish.seed, wish.jobs)
+    check_learning(wish.steps, wish.jobs)
     for video in wish.videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
@@ -102,12 +102,10 @@ def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
     )
 
 
-def check_learning(steps: int, seed: int, jobs: int | None) -> None:
+def check_learning(steps: int, jobs: int | None) -> None:
     """Raises UsageError for numbers that cannot be."""
     if steps < 1:
         raise UsageError(f"--steps {steps}: choose 1 or more")
-    if seed < 0:
-        raise UsageError(f"--seed {seed}: choose 0 or more")
     check_jobs(jobs)
 
 

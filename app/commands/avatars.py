@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import ExitCode, UsageError
-from .options import EngineName, Out, Size
+from .options import EngineName, Out, Seed, Size, Whole
 
 
 def info(file: str | None = None, /) -> int:
@@ -28,7 +28,7 @@ def info(file: str | None = None, /) -> int:
     return ExitCode.OK
 
 
-def modes(file: str, /, *, out: Out, components: int = 5, size: Size = "256x256", engine: EngineName = "auto") -> int:
+def modes(file: str, /, *, out: Out, components: Whole = 5, size: Size = "256x256", engine: EngineName = "auto") -> int:
     """Draw what single components do, from -3 to +3 sigma (figure 3 of the paper).
 
     Args:
@@ -54,7 +54,7 @@ def export(
     out: Out,
     weights: Annotated[list[str] | None, Parameter(name="--set", consume_multiple=True)] = None,
     track: Path | None = None,
-    components: int | None = None,
+    components: Whole | None = None,
 ) -> int:
     """Write splats as PLY: one expression, or with --track a numbered sequence in a folder.
 
@@ -84,17 +84,17 @@ def distill(
     /,
     *,
     out: Out,
-    components: int = 50,
+    components: Whole = 50,
     name: str | None = None,
     author: str = "",
     licence: str = "",
     consent: str = "",
-    frames: int = 600,
+    frames: Whole = 600,
     scale: float = 1.0,
     meshes: Path | None = None,
-    maps: int = 128,
+    maps: Whole = 128,
     moments: Path | None = None,
-    seed: int = 0,
+    seed: Seed = 0,
 ) -> int:
     """Make an avatar of a training run, a capture's bare mesh, or somebody else's avatar.
 
@@ -171,10 +171,10 @@ def train_regressor(
     rehearse_with: str | None = None,
     take_over: str | None = None,
     turns_only: bool = False,
-    pictures: int = 4000,
-    steps: int | None = None,
-    seed: int = 0,
-    jobs: int | None = None,
+    pictures: Whole = 4000,
+    steps: Whole | None = None,
+    seed: Seed = 0,
+    jobs: Whole | None = None,
     labels: Path | None = None,
     report: Path | None = None,
     strip: Path | None = None,

@@ -5,14 +5,14 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .options import AvatarName, DriverName, EngineName, NoBadge, Out, Size
+from .options import AvatarName, DriverName, EngineName, NoBadge, Out, Size, Whole
 
 
 def reenact(
     *drivers: str,
     out: Out,
     avatar: AvatarName = None,
-    components: int | None = None,
+    components: Whole | None = None,
     size: Size = "512x512",
     neutral: str = "auto",
     neutral_sheet: Path | None = None,

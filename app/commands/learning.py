@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from .options import Size
+from .options import Seed, Size, Whole
 
 
 def capture(
@@ -13,14 +13,14 @@ def capture(
     /,
     *,
     subject: str = "ada",
-    cameras: int = 16,
+    cameras: Whole = 16,
     size: Size = "802x550",
     split: str = "96+32",
-    held_out: int | None = None,
+    held_out: Whole | None = None,
     background: str = "white",
     tracking_noise: float = 0.0,
     renderer: Literal["studio", "cycles"] = "studio",
-    seed: int = 0,
+    seed: Seed = 0,
 ) -> int:
     """Film a synthetic person with many cameras, for train, refine and fit; the same again goes on.
 
@@ -57,10 +57,10 @@ def train(
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     model: Literal["cnn", "rigged", "blendshapes"] = "cnn",
     preset: str = "tiny",
-    steps: int | None = None,
-    maps: int | None = None,
+    steps: Whole | None = None,
+    maps: Whole | None = None,
     perceptual: bool = True,
-    seed: int = 0,
+    seed: Seed = 0,
 ) -> int:
     """Learn an avatar from a capture (extra: pip install 'gemheads[train]'); the same again goes on.
 
@@ -86,14 +86,14 @@ def refine(
     /,
     *,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
-    iterations: int = 3000,
+    iterations: Whole = 3000,
     coefficients: Literal["free", "fixed"] = "free",
     colors: Literal["free", "fixed"] = "free",
     start: Path | None = None,
     moments: Path | None = None,
     sheet: Path | None = None,
     perceptual: bool = True,
-    seed: int = 0,
+    seed: Seed = 0,
 ) -> int:
     """Change an avatar's bases until its pictures are those of a capture (extra: pip install 'gemheads[train]').
 
@@ -127,13 +127,13 @@ def evaluate(
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     against: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     drivers: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    every: int = 3,
+    every: Whole = 3,
     seconds: float = 30.0,
-    shots: int = 24,
+    shots: Whole = 24,
     everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
     lpips: Literal["vgg", "alex", "none"] = "vgg",
-    components: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
-    jobs: int | None = None,
+    components: Annotated[list[Whole] | None, Parameter(consume_multiple=True, negative=())] = None,
+    jobs: Whole | None = None,
 ) -> int:
     """Judge avatars on pictures nothing was learned from, and driven by people never seen; the same again goes on.
 

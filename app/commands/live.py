@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .options import AvatarName, EngineName, NoBadge, Size
+from .options import AvatarName, EngineName, NoBadge, Size, Whole
 
 
 def live(
@@ -13,7 +13,7 @@ def live(
     *,
     avatar: AvatarName = None,
     camera: Annotated[str | None, Parameter(name="--camera")] = None,
-    components: int | None = None,
+    components: Whole | None = None,
     size: Size = "512x512",
     engine: EngineName = "auto",
     listen: str | None = None,

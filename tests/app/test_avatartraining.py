@@ -45,7 +45,7 @@ def test_a_run_is_told_of_and_distilled(capture: Path, tmp_path: Path, capsys: p
     [
         (["--preset", "huge"], ExitCode.USAGE, "choose from tiny, small, full"),
         (["--steps", "0"], ExitCode.USAGE, "--steps 0: choose from"),
-        (["--seed", "-1"], ExitCode.USAGE, "choose 0 or more"),
+        (["--seed", "-1"], ExitCode.USAGE, "--seed: -1: choose from 0 to"),
         (["--maps", "96"], ExitCode.USAGE, "--maps 96: choose from 64, 128, 256, 512"),
     ],
 )

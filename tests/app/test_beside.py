@@ -18,3 +18,10 @@ def test_a_picture_of_another_shape_is_not_squashed() -> None:
     assert (tall[:16] == 255).all()
     assert (tall[48:] == 255).all()
     assert not tall[16:48].any()
+
+
+def test_a_panorama_takes_no_more_room_than_video_has() -> None:
+    assert beside_width((16384, 16), 4096) + 4096 == 16384
+    panorama = side_by_side(np.zeros((10, 200, 3), np.uint8), np.zeros((40, 40, 3), np.uint8), 120)[:, :120]
+    assert not panorama[17:23].any()
+    assert (panorama[:16] == 255).all()

@@ -77,7 +77,7 @@ def test_another_folder_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixt
         (("--size", "17x20"), "must be even"),
         (("--tracking-noise", -1), "from 0 to 20 mm"),
         (("--background", "transparent"), "a picture has a ground"),
-        (("--seed", -1), "must be 0 or more"),
+        (("--seed", -1), "choose from 0 to"),
     ],
 )
 def test_what_cannot_be_is_said(

@@ -60,3 +60,9 @@ def test_a_folder_that_is_a_file_is_one_plain_error(tiny: Path, tmp_path: Path) 
 def test_a_picture_is_a_png(tiny: Path, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"end its name in \.png"):
         draw_modes(tiny, tmp_path / "modes.jpg", 1, (32, 32), "software")
+
+
+def test_a_picture_that_nothing_opens_is_not_drawn(tiny: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"20480x98976 pixels .* fewer --components or less --size"):
+        draw_modes(tiny, tmp_path / "modes.png", 9, (4096, 4096), "software")
+    assert not list(tmp_path.iterdir())

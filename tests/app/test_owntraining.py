@@ -22,7 +22,7 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (("--pictures", "3"), "--pictures 3: choose 40 or more, or 0"),
         (("--pictures", "-1"), "--pictures -1: choose 40 or more"),
         (("--steps", "0"), "--steps 0: choose 1 or more"),
-        (("--seed", "-1"), "--seed -1: choose 0 or more"),
+        (("--seed", "-1"), "--seed: -1: choose from 0"),
     ],
 )
 def test_numbers_that_cannot_be(

@@ -113,7 +113,7 @@ def test_a_capture_is_fitted_into_a_track(
     ("words", "code", "said"),
     [
         (("refine", "{avatar}", "{toy}", "--iterations", "1"), ExitCode.USAGE, "--iterations 1: choose from 10"),
-        (("refine", "{avatar}", "{toy}", "--seed", "-1"), ExitCode.USAGE, "--seed -1"),
+        (("refine", "{avatar}", "{toy}", "--seed", "-1"), ExitCode.USAGE, "--seed: -1: choose from 0"),
         (("refine", "{avatar}", "{toy}", "-o", "x.ply"), ExitCode.USAGE, "is called .gem"),
         (("refine", "{avatar}", "nowhere"), ExitCode.INPUT, "nowhere: is no folder"),
         (("refine", "{tiny}", "{toy}", "--start", "{moments}"), ExitCode.INPUT, "made for another avatar ('toy')"),

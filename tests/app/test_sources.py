@@ -1,3 +1,4 @@
+import os
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -234,6 +235,13 @@ def test_what_is_missing_is_told(tmp_path: Path) -> None:
         open_source(str(tmp_path / "none.mp4"))
     with pytest.raises(InputError, match="no such file or folder"):
         open_source(str(tmp_path / "none_%03d.png"))
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes")
+def test_a_pipe_is_told(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.mp4")
+    with pytest.raises(InputError, match=r"pipe\.mp4: a pipe or device, and a driver is read twice; save it"):
+        open_source(str(tmp_path / "pipe.mp4"))
 
 
 def test_a_folder_without_pictures_is_told(tmp_path: Path) -> None:

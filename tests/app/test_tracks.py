@@ -25,8 +25,8 @@ TRACK = Track(
     rate=Fraction(30000, 1001),
     pts=np.array([7, 1008, 2009]),
     poses=tuple(
-        Pose(normal(5), normal(3), phase, 1, 0.25, translation=normal(3))
-        for phase in (Phase.SEARCHING, Phase.TRACKING, Phase.HOLD)
+        Pose(normal(5), normal(3), phase, 1, 0.25, cut, normal(3))
+        for phase, cut in ((Phase.SEARCHING, False), (Phase.TRACKING, True), (Phase.HOLD, False))
     ),
 )
 
@@ -42,6 +42,7 @@ def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:
         assert np.array_equal(pose.turn, pose0.turn)
         assert np.array_equal(pose.translation, pose0.translation)
         assert (pose.phase, pose.faces, pose.clamped) == (pose0.phase, pose0.faces, pose0.clamped)
+        assert pose.cut is pose0.cut
 
 
 def tensors() -> dict[str, np.ndarray]:
@@ -53,15 +54,18 @@ def tensors() -> dict[str, np.ndarray]:
         "phase": np.ones(3, np.uint8),
         "faces": np.ones(3, np.uint8),
         "clamped": np.zeros(3, np.float32),
+        "cut": np.zeros(3, np.bool_),
     }
 
 
-ABOUT = {"version": 2, "avatar": "tiny", "avatar_sha256": "ab", "time_base": "1/30", "rate": "30"}
+ABOUT = {"version": 3, "avatar": "tiny", "avatar_sha256": "ab", "time_base": "1/30", "rate": "30"}
 
 HOSTILE = {
-    "other version": ({}, {"version": 3}),
+    "other version": ({}, {"version": 4}),
     "no version": ({}, {"version": [2]}),
     "version 1 with a translation": ({}, {"version": 1}),
+    "version 2 with cuts": ({}, {"version": 2}),
+    "cuts that are numbers": ({"cut": np.zeros(3, np.uint8)}, {}),
     "a head at infinity": ({"translation": np.full((3, 3), np.inf, np.float32)}, {}),
     "a head too far away": ({"translation": np.float32([[0, 0, 0], [0, -101, 0], [0, 0, 0]])}, {}),
     "a flat translation": ({"translation": np.zeros(3, np.float32)}, {}),
@@ -91,10 +95,13 @@ def test_what_is_no_track_is_refused_with_the_reason(tmp_path: Path, name: str) 
         load_track(path)
 
 
-def test_what_is_whole_is_read_and_a_track_of_version_1_leaves_the_head_in_its_place(tmp_path: Path) -> None:
+def test_what_is_whole_is_read_and_older_tracks_have_no_cuts_and_the_oldest_no_translation(tmp_path: Path) -> None:
     path, old = tmp_path / "t.safetensors", tensors()
     save_file(old, path, {FORMAT: json.dumps(ABOUT)})
     assert load_track(path).frame_count == 3
+    del old["cut"]
+    save_file(old, path, {FORMAT: json.dumps({**ABOUT, "version": 2})})
+    assert not any(pose.cut for pose in load_track(path).poses)
     del old["translation"]
     save_file(old, path, {FORMAT: json.dumps({**ABOUT, "version": 1})})
     assert all(not pose.translation.any() for pose in load_track(path).poses)

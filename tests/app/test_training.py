@@ -13,7 +13,7 @@ from gemheads.app.errors import ExitCode
     [
         (("--pictures", "0"), "--pictures 0: choose 40 or more"),
         (("--steps", "0"), "--steps 0: choose 1 or more"),
-        (("--seed", "-1"), "--seed -1: choose 0 or more"),
+        (("--seed", "-1"), "--seed: -1: choose from 0"),
         (("--jobs", "0"), "--jobs 0: choose from 1 to 256"),
         (("--turns-only", "--rehearse-with", "theo"), "--turns-only rehearses nothing"),
         (("--turns-only", "--take-over", "theo"), "--take-over trains nothing"),
