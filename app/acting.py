@@ -175,6 +175,7 @@ class Acting:
             self._memory,
             expression=Smoothed(sigmas, still[1]),
             turn=Smoothed(pose.turn, still[0]),
+            shown_turn=pose.turn,
             translation=pose.translation,
             clamped=pose.clamped,
         )
@@ -252,7 +253,8 @@ class Acting:
         if live:
             memory = replace(memory, thumbnail=None)
         if exact:
-            memory = replace(memory, expression=None, turn=None)
+            attention = replace(memory.attention, follow=1.0)
+            memory = replace(memory, expression=None, turn=None, attention=attention)
         if rgb.shape != self._shape:
             if self._shape:
                 self._tracker.reset()

@@ -86,7 +86,9 @@ class Memory:
     expression: Smoothed | None = None
     """Coefficients away from the rest expression, in units of sigma."""
     turn: Smoothed | None = None
-    """Rotation of the head from its neutral."""
+    """Rotation of the driver's head from its neutral."""
+    shown_turn: Floats = field(default_factory=lambda: np.zeros(3, np.float32))
+    """[3] the avatar's, which may be more or less of it."""
     misread: Smoothed | None = None
     """What is taken off it."""
     translation: Floats = field(default_factory=lambda: np.zeros(3, np.float32))
@@ -135,14 +137,18 @@ def take_on(actor: Actor, memory: Memory, answer: Answer, dt: float) -> Memory:
     """What the avatar shall do, through gains and filters; what is not finite is not."""
     coefficients, misread = answer.coefficients, step(actor.misread_filter, memory.misread, answer.misread, dt)
     turn = answer.turn + answer.misread - misread.value
-    away = coefficients - actor.gem.rest_coefficients
-    sigmas = (away if actor.gains is None else away @ actor.gains) / actor.gem.sigma
+    rest = actor.gem.rest_coefficients
+    if actor.gains is not None:
+        coefficients = actor.gem.clamped(rest + (coefficients - rest) @ actor.gains)
+    sigmas = (coefficients - rest) / actor.gem.sigma
     if not (np.isfinite(sigmas).all() and np.isfinite(turn).all()):
         return replace(memory, unusable=memory.unusable + 1)  # the last good ones stay
+    smooth_turn = step(actor.turn_filter, memory.turn, turn, dt)
     return replace(
         memory,
         expression=step(actor.expression_filter, memory.expression, sigmas, dt),
-        turn=step(actor.turn_filter, memory.turn, turn * actor.turn_gain, dt),
+        turn=smooth_turn,
+        shown_turn=smooth_turn.value * actor.turn_gain,
         misread=misread,
         translation=np.zeros(3, np.float32),
         clamped=np.count_nonzero(np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma) / max(1, len(coefficients)),

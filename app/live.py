@@ -88,7 +88,7 @@ def act(actor: Actor, memory: Memory, seen: bool, cut: bool = False) -> tuple[Me
     translation = NO_SHIFT
     if memory.expression is not None and memory.turn is not None:
         expression = expression + gain * turned_gain(memory.turn.value) * memory.expression.value * actor.gem.sigma
-        turn = turn + gain * memory.turn.value
+        turn = turn + gain * memory.shown_turn
         translation = gain * memory.translation
     return memory, Pose(
         coefficients=(actor.gem.rest_coefficients + expression).astype(np.float32),

@@ -26,7 +26,10 @@ READ_SECS = 0.01
 TICK_SECS = 1 / 30
 """Between two shots while nothing is delivered: the avatar breathes and blinks."""
 QUIET_SECS = 0.3
-"""A pause in deliveries up to this is a slow source, not an absent one."""
+"""A pause in deliveries up to this is a slow source, not an absent one ..."""
+QUIET_PAUSES, MOST_QUIET_SECS = 1.5, 1.5
+"""... and so is one up to so many times as long as the pause before, but for so many seconds at most: in a dark room a
+camera takes its time."""
 RATE_SECS = 2.0
 SILENT_SECS = 1.0
 """Face data that does not come for so long has stopped."""
@@ -42,6 +45,7 @@ _WORDS: dict[SourcePhase, tuple[str, str]] = {
 }
 """To somebody in front of a camera."""
 _NO_FACE = ("No face is seen here.", "Choose what shows a face from the front, a tenth of the picture high or more.")
+_START_SENDER = "Start the sender, and give it this address; for another device, listen at 0.0.0.0:PORT instead."
 _log = logging.getLogger(__name__)
 
 
@@ -70,6 +74,8 @@ class Loop:
         self._open_before = False
         self._trouble: tuple[str, str] = ("", "")
         self._shot_at = self._delivered_at = self._used_at = clock()
+        self._pause_secs = 0.0
+        """Between the last two deliveries that were used."""
         self._arrivals: deque[float] = deque(maxlen=512)
         self._frames = self._failed = self._dropped_before = 0
 
@@ -117,8 +123,8 @@ class Loop:
             self._delivered_at = now
             shot = self._tried(delivery, now)
         if shot is not None:
-            self._shot_at = self._used_at = now
-        elif now - self._shot_at >= TICK_SECS and now - self._used_at >= QUIET_SECS and not self._paused:
+            self._pause_secs, self._shot_at, self._used_at = now - self._used_at, now, now
+        elif now - self._shot_at >= TICK_SECS and now - self._used_at >= self._quiet_secs and not self._paused:
             shot, self._shot_at = self.acting.tick(), max(self._shot_at + TICK_SECS, now - TICK_SECS)
         if shot is not None:
             self.shots.put(shot)
@@ -135,6 +141,14 @@ class Loop:
         """Whether the source stands still because somebody wants it to."""
         source = self.link.source if self.link else None
         return source is not None and source.transport is not None and not source.transport.playing
+
+    @property
+    def _quiet_secs(self) -> float:
+        """How long nothing may be delivered before nobody is there: for ever until a video's next frame is due."""
+        source = self.link.source if self.link else None
+        if source is not None and source.kind == "video" and self.acting.attention is Phase.TRACKING:
+            return float("inf")
+        return max(QUIET_SECS, min(MOST_QUIET_SECS, QUIET_PAUSES * self._pause_secs))
 
     def _grant(self, wish: Callable[[], None]) -> None:
         try:
@@ -230,7 +244,7 @@ class Loop:
             return phase, *self._trouble
         if source.kind == "weights" and now - self._delivered_at > SILENT_SECS:
             silent: SourcePhase = "stalled" if self._frames else "searching"
-            return silent, f"Nothing comes in from {source.name}.", "Start the sender, and give it this address."
+            return silent, f"Nothing comes in from {source.name}.", _START_SENDER
         message, cure = _WORDS.get(phase, ("", ""))
         if message and source.kind != "camera":
             message, cure = _NO_FACE

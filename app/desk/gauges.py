@@ -12,7 +12,8 @@ from .view import Readings
 READ_EVERY = 0.25
 """Seconds between two readings: they are to be read."""
 LONGEST_DT = 0.5
-"""A longer gap between frames was no work: the window was moved, or the machine slept."""
+"""A longer gap between frames was no work: the window was moved, or the machine slept; unless frames themselves take so
+long, one after the other."""
 
 
 class Gauges(Stopwatch):
@@ -23,6 +24,7 @@ class Gauges(Stopwatch):
         self._figures = Figures()
         self._ladder = Ladder()
         self._frame_at = self._read_at = float("-inf")
+        self._crawled = False
         self._readings = Readings()
 
     @contextmanager
@@ -48,10 +50,12 @@ class Gauges(Stopwatch):
         for stage, seconds in shot.stages.items() if shot is not None else ():
             self._figures.stage(stage, seconds)
         dt, self._frame_at = now - self._frame_at, now
+        crawls = dt >= LONGEST_DT > dt - worked
         if not ladder:
             self._ladder = Ladder()
-        elif dt < LONGEST_DT:
-            self._ladder = update(self._ladder, 1e3 * worked, dt, Quality(components))
+        elif dt < LONGEST_DT or (crawls and self._crawled):
+            self._ladder = update(self._ladder, 1e3 * worked, min(dt, LONGEST_DT), Quality(components))
+        self._crawled = crawls
 
     def read(self, health: Health, engine: str, components: int, now: float) -> Readings:
         """The figures, a few times a second brought up to date."""

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from . import explore
 from .beside import Beside
 from .loader import Loader, Refused
 from .measuring import Measuring, megabytes
-from .painter import KERNELS, Image, Painter
+from .painter import KERNELS, Image, Painter, curtain
 from .roster import Roster
 from .state import DeskState
 from .view import AvatarFacts, Curve
@@ -46,6 +46,12 @@ class Drawn:
     """What is seen for the first time in it."""
     secs: float
     """How long drawing took."""
+
+    def behind_the_curtain(self) -> "Drawn":
+        """The same with nothing of the avatar in it."""
+        height, width = self.picture.shape[:2]
+        picture = curtain(width, height)
+        return replace(self, picture=picture, preview=picture, pose=None)
 
 
 class OnStage:
@@ -78,6 +84,11 @@ class OnStage:
     def loading(self) -> str:
         """Name of what is being loaded."""
         return self._loader.loading.stem if self._loader.loading is not None else ""
+
+    @property
+    def coming(self) -> Path | None:
+        """The file of the avatar that was asked for last, while it is not on stage."""
+        return self._loader.loading or (self._coming[0].path if self._coming is not None else None)
 
     @property
     def engine(self) -> str:

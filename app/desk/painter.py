@@ -36,6 +36,11 @@ def camera_of(gem: Gem, state: DeskState, width: int, height: int) -> Camera:
     return replace(camera, fx=camera.fx * state.zoom, fy=camera.fy * state.zoom)
 
 
+def curtain(width: int, height: int) -> Image:
+    """[H, W, 3] with nothing of anybody in it."""
+    return np.full((height, width, 3), CURTAIN, np.uint8)
+
+
 class Painter:
     """Draws one avatar by one engine, a picture at a time."""
 
@@ -54,7 +59,7 @@ class Painter:
         ``components`` a modality, and ``scale`` of the size, as far as the machine allows.
         """
         if state.curtain:
-            return np.full((self.size[1], self.size[0], 3), CURTAIN, np.uint8)
+            return curtain(*self.size)
         with KERNELS:
             return draw(self._staged(gem, state, components, scale), pose)
 

@@ -22,11 +22,17 @@ class Roster:
         index = round(number) - 1
         return self.paths[index] if 0 <= index < len(self.paths) else None
 
-    def beside(self, steps: int) -> Path | None:
-        """The avatar so many places on, in a circle; None where there are none."""
-        return self.paths[(self.current + steps) % len(self.paths)] if self.paths else None
+    def beside(self, steps: int, coming: Path | None = None) -> Path | None:
+        """The avatar so many places on from the one on stage, or from the one that is ``coming``, in a circle; None
+        where there are none."""
+        begin = self.paths.index(coming) if coming in self.paths else self.current
+        return self.paths[(begin + steps) % len(self.paths)] if self.paths else None
 
     def staged(self, path: Path) -> "Roster":
-        """The roster with this avatar on stage, at its end if it is new."""
-        paths = self.paths if path in self.paths else (*self.paths, path)
-        return replace(self, paths=paths, current=paths.index(path))
+        """The roster with this avatar on stage, at its end if it is new: by its whole path, which means the same from
+        whatever folder."""
+        known = [one.resolve() for one in self.paths]
+        path = path.resolve()
+        if path in known:
+            return replace(self, current=known.index(path))
+        return replace(self, paths=(*self.paths, path), current=len(self.paths))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...render.engines import Engine
 from ..casting import Avatar
+from ..errors import brief
 from .actions import Order
 from .driving import Driving
 from .gauges import Gauges
@@ -17,7 +18,7 @@ from .outputs import Outputs
 from .remote import Remote
 from .roster import Roster
 from .sources import is_avatar
-from .state import DeskState, Limits, restaged, update
+from .state import BEYOND, DeskState, Limits, restaged, update
 from .view import DeskView, Toast
 
 TOAST_SECS = 6.0
@@ -72,7 +73,9 @@ class Session:
         self.stage.rouse(waker)
 
     def obey(self, order: Order) -> None:
-        """Do what was asked for."""
+        """Do what was asked for; numbers beyond all sense, which other programs may send, ask for nothing."""
+        if isinstance(order.value, float | int) and not abs(order.value) < BEYOND:
+            return
         if order.name != "play" or self.driving.transport is None:
             self.state = update(self.state, order)
         source = self.driving.source
@@ -113,8 +116,9 @@ class Session:
         self.stage.draw(self.state, self.gauges.quality(self._components), shot, now, every)
 
     def drawn(self) -> Drawn | None:
-        """The picture that was begun, once, when it is done."""
-        return self.stage.drawn()
+        """The picture that was begun, once, when it is done; nothing of the avatar where the curtain fell meanwhile."""
+        drawn = self.stage.drawn()
+        return drawn.behind_the_curtain() if drawn is not None and self.state.curtain else drawn
 
     def offer(self, drawn: Drawn, now: float) -> None:
         """Give the outputs a picture; behind the curtain no coefficients go with it."""
@@ -189,9 +193,9 @@ class Session:
         elif name == "avatar" and isinstance(value, float | int):
             self.stage.call(roster.numbered(value))
         elif name in ("previous_avatar", "next_avatar"):
-            self.stage.call(roster.beside(1 if name == "next_avatar" else -1))
+            self.stage.call(roster.beside(1 if name == "next_avatar" else -1, self.stage.coming))
         elif name == "open" and words:
-            self.stage.call(Path(words).expanduser()) if is_avatar(words) else self.driving.open(words)
+            self._open(words)
         elif name == "camera":
             self.driving.open_camera(words)
         elif name == "demo":
@@ -202,6 +206,13 @@ class Session:
             self.driving.relock()
         elif name == "picture":
             self.outputs.picture()
+
+    def _open(self, words: str) -> None:
+        """An avatar or a source, by whatever somebody typed or sent."""
+        try:
+            self.stage.call(Path(words).expanduser()) if is_avatar(words) else self.driving.open(words)
+        except (OSError, RuntimeError, ValueError) as error:  # nobody's home, too long a name, a NUL in it
+            self.tell(f"{brief(words)}: no path that can be opened ({brief(error)}).", alarm=True)
 
 
 def limits_of(avatar: Avatar) -> Limits:

@@ -2,13 +2,14 @@
 
 import json
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ...models.wholefile import open_ordinary, write_whole
-from .actions import BY_NAME, Order
+from .actions import Order
 from .state import DeskState, update
 
 MAX_BYTES = 64 * 1024
@@ -47,7 +48,7 @@ class Settings:
     """The camera's name; it is only ever opened when asked for."""
     window: tuple[int, int] = WINDOW
     keys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Action -> the keys a person gave it."""
+    """Action -> the keys a person gave it; what is no action is kept, too, and the keymap complains of it."""
 
 
 def settings_file() -> Path:
@@ -80,7 +81,7 @@ def save_settings(settings: Settings, path: Path) -> str:
     }
     lines = ["# What `gemheads live` remembers. Delete this file to start afresh."]
     for section, values in sections.items():
-        lines += ["", f"[{section}]", *(f"{name} = {_toml(value)}" for name, value in sorted(values.items()))]
+        lines += ["", f"[{section}]", *(f"{_key(name)} = {_toml(value)}" for name, value in sorted(values.items()))]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, ["\n".join([*lines, ""]).encode()])
@@ -111,9 +112,8 @@ def _checked(read: Mapping[str, object]) -> Settings:
     size = [window.get("width"), window.get("height")]
     fits = all(isinstance(side, int) and SMALLEST <= side <= LARGEST for side in size)
     own = {
-        name: tuple(key for key in theirs if isinstance(key, str))
+        name: tuple(key for key in (theirs if isinstance(theirs, list) else [theirs]) if isinstance(key, str))
         for name, theirs in keys.items()
-        if name in BY_NAME and isinstance(theirs, list)
     }
     avatar, camera = (value if isinstance(value := desk.get(name, ""), str) else "" for name in ("avatar", "camera"))
     return Settings(wishes, avatar, camera, (size[0], size[1]) if fits else WINDOW, own)  # pyright: ignore
@@ -133,6 +133,11 @@ def _put_aside(path: Path) -> str:
     except OSError:
         return f"{path} stays as it is"
     return f"they are kept as {aside}"
+
+
+def _key(name: str) -> str:
+    """What a person wrote may be no bare key."""
+    return name if re.fullmatch("[A-Za-z0-9_-]+", name) else json.dumps(name)
 
 
 def _toml(value: object) -> str:

@@ -154,11 +154,9 @@ def update(state: DeskState, order: Order) -> DeskState:
 
 
 def restaged(state: DeskState, limits: Limits) -> DeskState:
-    """The state when another avatar comes on stage: what the old one alone allowed is drawn in."""
-    components = state.components if state.components is None else min(state.components, limits.components)
-    kept = replace(
-        state, limits=limits, components=components, exploring=replace(state.exploring, sigmas=(), component=0)
-    )
+    """The state when another avatar comes on stage: what the old one alone allowed is drawn in; of components as many
+    are shown as it has, and when one with more is back, as many as were asked for."""
+    kept = replace(state, limits=limits, exploring=replace(state.exploring, sigmas=(), component=0))
     return _turned(_turned(kept, "yaw", kept.yaw), "pitch", kept.pitch)
 
 

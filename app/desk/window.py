@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...render.contexts import NoOpenGLError, window_context
 from .actions import Order
 from .cleanwindow import CleanWindow
-from .keys import Keymap, keymap
+from .keys import RESERVED, Keymap, keymap
 from .presenter import Presenter
 from .screen import Screen, dropped
 from .view import DeskView
@@ -199,6 +199,8 @@ class DeskWindow:
         name = NAMES.get(key)
         if modifiers & (glfw.MOD_CONTROL | glfw.MOD_ALT) and (name is None or name in "+-"):
             name = name or _letter(key, scancode)
+            if name == "=" and modifiers & glfw.MOD_SHIFT:  # + on keyboards such as the American one
+                name, modifiers = "+", modifiers & ~glfw.MOD_SHIFT
         elif name in ("+", "-"):
             return
         if name is not None:
@@ -214,9 +216,7 @@ class DeskWindow:
     def _press(self, name: str, modifiers: int) -> None:
         held = {"Ctrl": glfw.MOD_CONTROL, "Shift": glfw.MOD_SHIFT, "Alt": glfw.MOD_ALT}
         key = "+".join([*(word for word, bit in held.items() if modifiers & bit), name])
-        if (self._screen.typing and not (modifiers & glfw.MOD_CONTROL or name == "Esc")) or (
-            self._walking and key in WALKING
-        ):
+        if (self._screen.typing and key not in RESERVED) or (self._walking and key in WALKING):
             return
         order = self.keymap.order(key, self._repeated)
         if order is not None:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from .source import Kind, LiveSource, Opener, SourceLost, TimedFrame
 MICROSECOND = Fraction(1, 1_000_000)
 SILENT_SECS = 1.0
 """A camera that gives no picture for so long, though it answers, is gone."""
+BY_PLACE = Path("/dev/v4l/by-path")
 _PAUSE_SECS = 0.01
 _BY_WIRE = (640, 480)
 """Larger pictures do not fit through USB 2 uncompressed at full rate; then Motion JPEG is asked for."""
@@ -39,6 +41,10 @@ class CameraChoice:
     """What OpenCV calls it now; it changes when cameras are plugged in."""
     path: str = ""
     """Where the system keeps it, as far as it says."""
+    place: str = ""
+    """The same by where it is plugged in, which stays when cameras come and go; as far as the system says."""
+    twin: bool = False
+    """Whether another one is called the same: then only its place tells them apart."""
 
 
 def cameras() -> list[CameraChoice]:
@@ -52,14 +58,20 @@ def cameras() -> list[CameraChoice]:
         found = sorted(enumerate_cameras(backend), key=lambda camera: camera.index)
     except (OSError, RuntimeError, NotImplementedError):
         return []
-    seen: dict[str, int] = {}
+    called = [camera.name or f"camera {camera.index}" for camera in found]
     choices: list[CameraChoice] = []
-    for camera in found:
-        name = camera.name or f"camera {camera.index}"
-        seen[name] = seen.get(name, 0) + 1
-        unique = name if seen[name] == 1 else f"{name} ({seen[name]})"
-        choices.append(CameraChoice(unique, camera.index + (camera.backend or 0), str(camera.path or "")))
+    for number, (camera, name) in enumerate(zip(found, called, strict=True)):
+        before, path = called[:number].count(name), str(camera.path or "")
+        unique = f"{name} ({before + 1})" if before else name
+        index, twin = camera.index + (camera.backend or 0), called.count(name) > 1
+        choices.append(CameraChoice(unique, index, path, _place_of(path), twin))
     return choices
+
+
+def _place_of(path: str) -> str:
+    """Linux calls cameras /dev/video0 and so on as they come, and says beside that which socket each is in."""
+    links = sorted(BY_PLACE.glob("*")) if BY_PLACE.is_dir() else ()
+    return next((str(link) for link in links if link.resolve() == Path(path).resolve()), path)
 
 
 Device = Any
@@ -86,7 +98,9 @@ def open_camera(
     """
 
     def open_now() -> LiveSource:
-        now = next((camera for camera in connected() if camera.name == choice.name), None)
+        by_place = choice.twin and choice.place  # else the one of two that is left would be taken for the other
+        fits = [one for one in connected() if (one.place == choice.place if by_place else one.name == choice.name)]
+        now = fits[0] if fits else None
         if now is None:
             raise SourceLost(f"{choice.name} is not connected.", "Plug it in; it is used as soon as it is there.", True)
         device = (open_device or _opencv)(now.index)

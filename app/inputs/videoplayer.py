@@ -79,7 +79,8 @@ class VideoPlayer:
                 if chosen is None and position >= self._last_secs + self._frame_secs - _EARLY_SECS:
                     self.transport.end()
                 break
-            if not self.transport.playing or ahead[0] > position + _EARLY_SECS:
+            first = self._last_secs < 0  # shown though paused before it was open: nothing is there to look at yet
+            if not (first or self.transport.playing) or ahead[0] > position + _EARLY_SECS:
                 break
             self.drops += chosen is not None
             chosen = self._take(ahead)
@@ -88,13 +89,13 @@ class VideoPlayer:
         return self._frame(chosen) if chosen else None
 
     def _at(self, position: float) -> Frame | None:
-        """The frame at a position gone to: decoded from the key frame before it."""
+        """The frame that is shown at a position gone to, where times are rounded to the file's ticks; decoded from the
+        key frame before it."""
         self._go_before(position)
         found = None
-        while (ahead := self._peek()) is not None:
+        latest = position + float(self._tick) + _EARLY_SECS
+        while (ahead := self._peek()) is not None and (found is None or ahead[0] <= latest):
             found = self._take(ahead)
-            if self._last_secs >= position - self._frame_secs / 2:
-                break
         return self._frame(found) if found else None
 
     def _go_before(self, position: float) -> None:

@@ -81,6 +81,41 @@ def test_without_another_face_the_lock_stays(world: World) -> None:
 # turned, dark, backlit, blurred, far, slow
 
 
+def test_between_the_frames_of_a_slow_video_the_avatar_does_what_the_last_one_did() -> None:
+    world = World(Source(kind="video"))
+    world.play(3.0)
+    opened(world)
+    for _ in range(4):
+        assert world.silence(0.8) == []
+        assert jaw(world.play(1 / 30))[0] > 0.4
+        assert world.phase == "tracking"
+
+
+def test_a_camera_that_takes_its_time_is_no_empty_chair(world: World) -> None:
+    opened(world)
+    for _ in range(4):
+        world.silence(0.5)
+        world.play(1 / 30)
+    assert world.silence(0.6) == []
+    assert world.phase == "tracking"
+    assert world.silence(2.0)[-1].pose.phase is Phase.IDLE
+
+
+def test_how_far_the_avatars_head_turns_changes_neither_face_nor_hints(world: World) -> None:
+    jaws = {}
+    for gain in (1.0, 2.0, 0.0):
+        world.loop.acting.tune(Tuning(gains={"head": gain}))
+        world.person.face = face(jaw=0.5, turn=(0.0, np.radians(25), 0.0))
+        shots = world.play(2.5)
+        jaws[gain] = jaw(shots)[-1]
+        assert shots[-1].pose.turn[1] == pytest.approx(gain * np.radians(25), abs=0.02)
+        assert SENTENCES["turned"] not in world.loop.health.hints
+    assert jaws[2.0] == pytest.approx(jaws[1.0], abs=0.01) == jaws[0.0]
+    world.person.face = face(jaw=0.5, turn=(0.0, np.radians(50), 0.0))
+    world.play(2.5)
+    assert SENTENCES["turned"] in world.loop.health.hints
+
+
 def test_a_face_turned_too_far_fades_and_is_told(world: World) -> None:
     before = jaw(opened(world))[-1]
     world.person.face = face(jaw=0.5, turn=(0, np.radians(45), 0))

@@ -2,12 +2,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gemheads.app.following import EXPRESSION_FILTER
-from gemheads.app.tuning import Tuning, gain_matrix, group_of, smoother
+from gemheads.app.following import EXPRESSION_FILTER, Memory, take_on
+from gemheads.app.tuning import Tuning, actor_for, gain_matrix, group_of, smoother
 from gemheads.models.arkit import NAMES
+from gemheads.models.driver.answer import Answer
 from gemheads.models.gem import Gem
 
 from .conftest import tiny_gem
+from .scripted import Clock, Person, avatar
 
 
 @pytest.fixture
@@ -60,3 +62,16 @@ def test_every_shape_has_a_group() -> None:
 def test_a_tuning_no_slider_has_is_refused(wrong: dict) -> None:
     with pytest.raises(ValueError, match="no such tuning"):
         Tuning(**wrong)
+
+
+def test_no_gain_takes_an_expression_beyond_its_limit() -> None:
+    plain = avatar()
+    actor = actor_for(plain, Person(Clock()), lambda features, turn: answer, Tuning(), hard_to_read=False)
+    answer = Answer(2 * plain.gem.sigma, np.zeros(3))
+    for gain, sigmas, clamped in ((1.0, 2.0, 0.0), (2.0, 3.0, 1.0)):
+        loud = replace(actor, gains=gain * np.eye(plain.gem.coefficient_count))
+        memory = take_on(loud, Memory(), answer, 0.0)
+        assert memory.expression is not None
+        reached = memory.expression.value + plain.gem.rest_coefficients / plain.gem.sigma
+        assert reached == pytest.approx(np.full(len(reached), sigmas), abs=1e-4)
+        assert memory.clamped == clamped

@@ -137,6 +137,51 @@ def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_
     assert spy.got[-1].avatar == ""
 
 
+def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Room) -> None:
+    begin(room)
+    room.capture.post(3.0)
+    now = time.perf_counter()
+    room.session.settle(now)
+    room.session.draw(now)
+    room.session.obey(Order("curtain", 1.0))
+    while (drawn := room.session.drawn()) is None:
+        assert not room.session.stage.free
+        time.sleep(0.001)
+    assert (drawn.picture == CURTAIN).all()
+    assert (drawn.preview == CURTAIN).all()
+    assert drawn.pose is None
+
+
+@pytest.mark.parametrize(
+    "order",
+    [Order("avatar", float("nan")), Order("step", float("inf")), Order("avatar", -1e12), Order("seek", float("-inf"))],
+)
+def test_numbers_beyond_sense_ask_for_nothing(room: Room, order: Order) -> None:
+    begin(room)
+    before = room.session.state
+    room.session.obey(order)
+    assert room.session.state == before
+    assert room.session.stage.loading == ""
+
+
+@pytest.mark.parametrize("words", ["~nobody-of-this-name/x.gem", "osc:" + 300 * "x", "a\0b.gem"])
+def test_a_path_that_can_be_none_is_told(room: Room, words: str) -> None:
+    begin(room)
+    room.session.obey(Order("open", words))
+    until_refused = time.perf_counter() + 20
+    while not room.session.view(time.perf_counter()).toasts:
+        assert time.perf_counter() < until_refused
+        turn(room.session)
+
+
+def test_the_next_but_one_is_asked_for_by_asking_twice(room: Room) -> None:
+    begin(room)
+    paths = room.session.stage.roster.paths
+    room.session.obey(Order("next_avatar"))
+    room.session.obey(Order("next_avatar"))
+    assert room.session.stage.coming == paths[2 % len(paths)]
+
+
 def test_the_comparison_names_what_is_lost(room: Room) -> None:
     begin(room)
     room.capture.post(3.0)

@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 from gemheads.app.desk.actions import Order
+from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.settings import (
     MAX_BYTES,
     REMEMBERED,
@@ -68,7 +69,10 @@ def test_values_of_the_wrong_kind_or_from_another_version_are_left_out(tmp_path:
     assert complaint == ""
     assert settings.window == WINDOW
     assert settings.avatar == ""
-    assert settings.keys == {"record": ("F9",)}
+    assert settings.keys == {"record": ("F9",), "unknown": ("X",), "mirror": ("M",)}
+    assert any("no action called 'unknown'" in complaint for complaint in keymap(settings.keys).conflicts)
+    assert save_settings(settings, tmp_path / "again.toml") == ""
+    assert load_settings(tmp_path / "again.toml") == (settings, "")
     state = recalled(DeskState(), settings)
     assert state == replace(DeskState(), smoothing=1.0)
 

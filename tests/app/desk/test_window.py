@@ -168,6 +168,40 @@ def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
     assert "tiny.gem" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
 
 
+@driven
+def test_a_window_whose_edge_is_dragged_lives(running: Running) -> None:
+    running.until(lambda state: bool(state) and word(state, 7) == "-")
+    window = running.xdotool("search", "--name", "^gemheads$").splitlines()[0]
+    steps = [*range(40), *range(40, 0, -1)]
+    drag = [("windowsize", window, str(1280 - 12 * step), str(800 - 8 * step), "sleep", "0.016") for step in steps]
+    running.xdotool(*(word for words in drag for word in words))
+    running.xdotool("windowsize", window, "700", "500")
+    running.until(lambda state: word(state, 4) == "(700,500)")
+    running.key("ctrl+q")
+    assert running.process.wait(timeout=10) == 0, running.log.read_text()[-2000:]
+
+
+MISSED = """
+import ctypes
+import glfw
+from gemheads.app.desk.window import DeskWindow
+
+desk = DeskWindow((640, 480))
+library = ctypes.CDLL("libX11.so.6")
+library.XMapWindow.argtypes, library.XSync.argtypes = [ctypes.c_void_p, ctypes.c_ulong], [ctypes.c_void_p, ctypes.c_int]
+library.XMapWindow(glfw.get_x11_display(), 1)
+library.XSync(glfw.get_x11_display(), 0)
+desk.close()
+"""
+
+
+@driven
+def test_what_the_x_server_refuses_does_not_end_the_program(display: str) -> None:
+    """As it refuses a picture for a window that became smaller a moment ago."""
+    command = [sys.executable, "-c", seal() + MISSED]
+    subprocess.run(command, env={**os.environ, "DISPLAY": display}, timeout=60, check=True)
+
+
 RESIZED = """
 import sys, time
 import glfw

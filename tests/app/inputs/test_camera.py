@@ -1,11 +1,14 @@
 """The camera with a device that is none: OpenCV's face, our faults."""
 
+import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+from gemheads.app.inputs import camera
 from gemheads.app.inputs.camera import CURES, CameraChoice, cameras, open_camera
 from gemheads.app.inputs.source import LiveSource, SourceLost, TimedFrame
 
@@ -92,6 +95,25 @@ def test_it_is_found_by_name_wherever_it_is_plugged_in() -> None:
     assert indices == [4]
 
 
+def test_of_two_that_are_called_the_same_neither_is_taken_for_the_other() -> None:
+    indices: list[int] = []
+    left = CameraChoice("Cam", 0, place="usb-1", twin=True)
+    right = CameraChoice("Cam (2)", 2, place="usb-2", twin=True)
+
+    def opened_index(choice: CameraChoice, connected: list[CameraChoice]) -> int:
+        open_camera(choice, connected=lambda: connected, open_device=lambda index: taken(index))().close()
+        return indices[-1]
+
+    def taken(index: int) -> Device:
+        indices.append(index)
+        return Device(blue)
+
+    assert opened_index(right, [left, right]) == 2
+    assert opened_index(right, [CameraChoice("Cam", 7, place="usb-2")]) == 7
+    with pytest.raises(SourceLost, match="Cam is not connected"):
+        opened_index(left, [CameraChoice("Cam", 2, place="usb-2")])
+
+
 def test_one_that_is_not_there_may_come_back() -> None:
     with pytest.raises(SourceLost, match="Cam is not connected") as raised:
         opened(Device(blue), connected=[])
@@ -161,7 +183,21 @@ def test_cameras_of_one_name_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> 
 
     twins = [listing.CameraInfo(index, "Twin", f"/dev/video{index}", None, None, 0) for index in (2, 0)]
     monkeypatch.setattr(listing, "enumerate_cameras", lambda backend: twins)
-    assert [(camera.name, camera.path) for camera in cameras()] == [
-        ("Twin", "/dev/video0"),
-        ("Twin (2)", "/dev/video2"),
+    assert [(camera.name, camera.path, camera.twin) for camera in cameras()] == [
+        ("Twin", "/dev/video0", True),
+        ("Twin (2)", "/dev/video2", True),
     ]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows links only for administrators")
+def test_where_a_camera_is_plugged_in_is_what_linux_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import cv2_enumerate_cameras as listing
+
+    device = tmp_path / "video3"
+    device.touch()
+    (tmp_path / "places").mkdir()
+    (tmp_path / "places" / "usb-1:2").symlink_to(device)
+    monkeypatch.setattr(camera, "BY_PLACE", tmp_path / "places")
+    found = [listing.CameraInfo(3, "Cam", str(device), None, None, 0)]
+    monkeypatch.setattr(listing, "enumerate_cameras", lambda backend: found)
+    assert [choice.place for choice in cameras()] == [str(tmp_path / "places" / "usb-1:2")]

@@ -86,6 +86,28 @@ def test_a_video_pauses_steps_and_seeks_exactly(make_clip: Clip, clock: Clock) -
     assert video.read(0) is None
 
 
+def test_a_paused_video_steps_from_the_frame_that_is_shown(make_clip: Clip, clock: Clock) -> None:
+    video = VideoPlayer(make_clip(pts=TICKS), clock)
+    watch(video, clock, 10.7 / 29.97)
+    video.transport.pause()
+    shown = []
+    for frames in (1, -1, -1):
+        video.transport.step(frames)
+        frame = video.read(0)
+        assert frame is not None
+        shown.append(round(frame.seconds * 29.97))
+    assert shown == [11, 10, 9]
+
+
+def test_a_video_that_is_paused_before_it_is_open_shows_its_first_frame(make_clip: Clip, clock: Clock) -> None:
+    video = VideoPlayer(make_clip(pts=TICKS), clock)
+    video.transport.pause()
+    frame = video.read(0)
+    assert frame is not None
+    assert frame.seconds == 0
+    assert video.read(0) is None
+
+
 def test_a_video_ends_where_it_does_not_loop_and_plays_again(make_clip: Clip, clock: Clock) -> None:
     video = VideoPlayer(make_clip(pts=TICKS), clock)
     video.transport.loop = False
