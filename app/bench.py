@@ -83,7 +83,7 @@ def run_bench(json: Path | None = None, quick: bool = False, avatar: str | None 
 
     Raises CommandError.
     """
-    check_places(json)
+    check_places(json, read=[find_avatar(avatar)] if avatar else [])
     engines, about = _engines()
     report, steal = Report(cpu_name(), os.cpu_count() or 1, about, []), Steal()
     try:

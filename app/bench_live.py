@@ -126,8 +126,9 @@ def run_live_bench(
 
     Raises CommandError.
     """
-    check_places(json)
-    report = _measure(find_avatar(avatar), seconds, engine, components, size, warm_up)
+    path = find_avatar(avatar)
+    check_places(json, read=[path])
+    report = _measure(path, seconds, engine, components, size, warm_up)
     _print(report)
     if json is not None:
         write_json(json, asdict(report) | {"goals": report.goals()})

@@ -44,7 +44,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     cast, footage = open_avatar(avatar), opened(capture)
     shots = chosen(footage, wish.split, wish.cameras)
-    check_places(out, wish.errors)
+    check_places(out, wish.errors, read=[capture, avatar])
     poses: dict[int, Pose] = {}
     quality: list[float] = []
     seconds: list[float] = []

@@ -3,15 +3,18 @@
 import io
 import os
 import sys
+from itertools import pairwise
 
 from cyclopts import App, CycloptsError
 
 from .commands import avatars, driven, learning, live, machine, trust
-from .errors import NO_ROOM, CommandError, ExitCode, lacks_memory, lacks_room
+from .errors import NO_ROOM, CommandError, ExitCode, lacks_memory, lacks_room, no_way_to
 
 EXIT_CODES = """Exit codes: 0 done, 1 unexpected failure, 2 wrong usage, 3 an input cannot be used, 4 no face anywhere,
 5 the output cannot be written, 6 and 7 verify found changes or no credentials, 130 stopped with Ctrl-C. Errors are one
 line on stderr; --debug adds the traceback."""
+MAY_BE_EMPTY = ("--author", "--licence", "--consent", "--no-badge")
+"""Options that take any text."""
 FULL = "the memory is full; close other programs, or ask for less (--size, --components)"
 
 app = App(
@@ -41,6 +44,9 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")
     arguments = sys.argv[1:] if arguments is None else arguments
     debug = "--debug" in arguments
+    if empty := _empty(arguments):
+        print(f"error: {empty}", file=sys.stderr)
+        return ExitCode.USAGE
     try:
         result = app(
             [word for word in arguments if word != "--debug"],
@@ -68,9 +74,21 @@ def main(arguments: list[str] | None = None) -> int:
         if lacks_room(error):
             print(f"error: {NO_ROOM}", file=sys.stderr)
             return ExitCode.OUTPUT
+        if said := no_way_to(error):
+            print(f"error: {said}", file=sys.stderr)
+            return ExitCode.INPUT
         told = f"unexpected {type(error).__name__}: {error}; run again with --debug to see where"
         print(f"error: {FULL if lacks_memory(error) else told}", file=sys.stderr)
         return ExitCode.UNEXPECTED
+
+
+def _empty(arguments: list[str]) -> str:
+    """What is wrong with an empty word, which a shell makes of a variable that is not set: as a path it would be the
+    current folder."""
+    for before, word in pairwise(["", *arguments]):
+        if not word.strip() and before not in MAY_BE_EMPTY:
+            return f"{before or 'the first argument'}: an empty word follows; give a name (is a variable not set?)"
+    return ""
 
 
 if __name__ == "__main__":

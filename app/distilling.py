@@ -35,7 +35,7 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
             opened = open_source(place, wanted, bar.reach)
             source = opened.source
             about["source"] = f"{source.kind} {Path(place).name}, {source.count} frames"
-            check_places(out, wanted.moments)
+            check_places(out, wanted.moments, read=[Path(place), wanted.meshes])
             gem, distilled = adopt(source, wanted.name or out.stem, wanted.components, about, bar.reach)
         except TooLargeError as error:
             raise UsageError(f"{place}: {error}") from error

@@ -8,6 +8,7 @@ NO_ROOM = (
     "a disk is full: make room on the disks of your results and of gemheads, or keep the kernels that it compiles"
     " elsewhere (NUMBA_CACHE_DIR=FOLDER)"
 )
+_NO_WAY = (errno.EACCES, errno.EPERM, errno.ENAMETOOLONG, errno.ELOOP, errno.ENOTDIR)
 _MEMORY = re.compile("out of memory|insufficient memory|(can't|cannot|unable to|failed to) allocate", re.IGNORECASE)
 
 
@@ -29,6 +30,13 @@ def brief(error: object) -> str:
     """What an error says, on one line of at most 200 characters: hostile files put themselves into messages."""
     line = " ".join(str(error).split())
     return line if len(line) <= 200 else f"{line[:197]}..."
+
+
+def no_way_to(error: BaseException) -> str | None:
+    """One line for a path that the system does not let anybody open, whatever for; None for all else."""
+    if not isinstance(error, OSError) or error.errno not in _NO_WAY or not error.filename:
+        return None
+    return f"{brief(error.filename)}: cannot be opened ({error.strerror}); check the path and its permissions"
 
 
 def lacks_memory(error: BaseException) -> bool:

@@ -22,7 +22,7 @@ from .pictures import write_png
 from .places import check_places
 from .portrait import portrait
 from .progress import ProgressBar
-from .sources import Source, open_source
+from .sources import Source, files_of, open_source
 from .tracks import Track, save_track
 from .words import read_colour
 
@@ -73,7 +73,7 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     source = open_source(picture, wish.rate)
     cast = open_avatar(avatar)
-    check_places(out, wish.errors)
+    check_places(out, wish.errors, read=[*files_of(picture), avatar])
     fitter = _Fitter(cast, source, wish)
     frames: list[Fitted] = []
     code = ExitCode.OK

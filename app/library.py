@@ -39,16 +39,17 @@ def avatars(folders: tuple[tuple[Path, bool], ...] | None = None) -> list[Entry]
 
 
 def find_avatar(wanted: str | None = None, entries: list[Entry] | None = None) -> Path:
-    """The file of an avatar given by name or path; when none is given DEFAULT, or the first that ships.
+    """The file of an avatar given by name or path; when none is given DEFAULT, which may be the user's, or the first
+    that ships.
 
     Raises InputError.
     """
     entries = avatars() if entries is None else entries
     if wanted is None:
-        shipped = [entry for entry in entries if entry.shipped] or entries
-        if not shipped:
+        first = sorted(entries, key=lambda entry: (entry.name != DEFAULT, not entry.shipped))
+        if not first:
             raise InputError(f"no avatar in {SHIPPED}; run `make avatars`, or give --avatar FILE{SUFFIX}")
-        return next((entry for entry in shipped if entry.name == DEFAULT), shipped[0]).path
+        return first[0].path
     for entry in entries:
         if entry.name == wanted:
             return entry.path

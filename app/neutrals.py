@@ -6,11 +6,12 @@ from typing import Literal
 
 from ..models.driver.face import FaceObservation, FaceTracker
 from ..models.driver.neutral import NeutralChoice, choose_neutral, neutral_of
+from ..models.wholefile import file_sha256
 from .contact import contact_sheet
 from .errors import InputError, NoFaceError, UsageError
 from .frames import Frame
 from .pictures import write_png
-from .profiles import kept_cameras, load_profile
+from .profiles import kept_cameras, load_profile, profile_path
 from .sources import IMAGE_SUFFIXES, Source, read_image
 
 SAMPLES = 32
@@ -31,8 +32,18 @@ class NeutralRule:
         """The one that it is read from, if it is."""
         return Path(self.value) if self.kind == "image" else None
 
+    def settled(self) -> str:
+        """The rule as it decides what a result shows: by what is in a picture or a kept neutral, not by its name.
+
+        Raises OSError where that cannot be read.
+        """
+        file = self.picture or (profile_path(self.value) if self.kind == "profile" else None)
+        return f"{self.kind} {self.value if file is None else file_sha256(file)}"
+
 
 AUTO = NeutralRule("auto")
+MOST_DIGITS = 12
+"""Of the number of a frame."""
 
 
 def read_rule(text: str, sheet: Path | None = None) -> NeutralRule:
@@ -44,7 +55,7 @@ def read_rule(text: str, sheet: Path | None = None) -> NeutralRule:
         raise UsageError(f"--neutral-sheet {sheet}: a PNG is written; end it in .png")
     if kind in ("auto", "first") and not value:
         return NeutralRule(kind, sheet=sheet)  # pyright: ignore[reportArgumentType]
-    if kind == "frame" and value.isdecimal():
+    if kind == "frame" and value.isdecimal() and len(value) <= MOST_DIGITS:
         return NeutralRule("frame", value)
     if kind == "time" and _seconds(value) is not None:
         return NeutralRule("time", value)
@@ -82,7 +93,7 @@ def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> Neu
 def said(choice: NeutralChoice, rule: NeutralRule) -> str:
     """Which neutral it is and why, and where the others can be seen."""
     if rule.kind != "auto" or not choice.candidates:
-        return choice.reason
+        return choice.reason if rule.sheet is None else f"{choice.reason} (so there is no contact sheet)"
     if rule.sheet is None:
         return f"{choice.reason} (--neutral-sheet FILE.png shows the best {len(choice.candidates)})"
     return f"{choice.reason} (the best {len(choice.candidates)}: {rule.sheet}, which shows the driver's face)"

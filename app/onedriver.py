@@ -178,7 +178,7 @@ def ingredients(driver: str | None, cast: Cast, wish: Wish) -> dict[str, str]:
         "avatar": cast.avatar.sha256,
         "driver": _sha256(files_of(driver)) if driver else "",
         "track": file_sha256(wish.track) if wish.track else "",
-        "rule": f"{wish.neutral.kind} {wish.neutral.value}",
+        "rule": wish.neutral.settled(),
         **wish.settings(),
     }
 

@@ -47,7 +47,7 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
     """
     known = {_identity(file): file for file in filter(None, inputs) if file.exists()}
     frames = [file for file in known.values() if FRAME_NAME.fullmatch(file.name)]
-    taken: dict[Path, Path] = {}
+    taken: dict[Path, Path] = {}  # every name that a result has, unfinished ones too
     for out in filter(None, outs):
         place = out.resolve()  # through folders that are not there yet
         names = (place, partial_name(place)) if place.name else (place,)
@@ -56,7 +56,7 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
             read += [file for file in frames if file.parent.samefile(place)]
         if read:
             raise UsageError(f"{out}: would be written over {read[0]}, which is read; choose another name")
-        if taken.setdefault(place, out) is not out:
+        if any(taken.setdefault(name, out) is not out for name in names):
             raise UsageError(f"{out}: two results would have this name; choose another one")
 
 
@@ -78,8 +78,8 @@ def _distinct(drivers: list[str], folders: bool) -> list[str]:
         if folders and is_video(Path(stem)):
             stem = stem.replace(".", "_")
         tries = (stem if number == 1 else f"{stem}-{number}" for number in itertools.count(1))
-        name = next(name for name in tries if name.casefold() not in taken)
-        taken.add(name.casefold())
+        name = next(name for name in tries if not {name.casefold(), f"{name}.partial".casefold()} & taken)
+        taken |= {name.casefold(), f"{name}.partial".casefold()}
         names.append(name if folders else f"{name}.mp4")
     return names
 

@@ -56,7 +56,9 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     _check(wish)
     cast, footage = open_avatar(avatar), opened(capture)
-    check_places(out, wish.report, wish.strip)
+    if out.suffix != ".gem":
+        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    check_places(out, wish.report, wish.strip, read=[capture, *wish.videos, *wish.companions])
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
     judged: SelfReenactment | None = None
     try:

@@ -2,20 +2,41 @@
 
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from .errors import OutputError
+from .errors import OutputError, UsageError
+from .outputs import keep_inputs
+
+OURS = (".gem", ".safetensors", ".st", ".html")
+"""What results are called that may lie in the folder of a capture or a run, and be made anew there."""
 
 
-def check_places(*outs: Path | None) -> None:
+def check_places(*outs: Path | None, read: Iterable[Path | None] = ()) -> None:
     """Makes the folders of these files and sees that each can be written; None is a result that nobody wants.
 
-    Raises OutputError.
+    Args:
+        outs: files that will be written.
+        read: files and folders that are read, None likewise; nothing is written over them, or over what is in them.
+
+    Raises:
+        OutputError: for a place that cannot be written.
+        UsageError: for one that is read, or that two results want.
     """
-    for out in outs:
-        if out is not None and out.is_dir():
-            raise OutputError(f"{out}: is a folder; name a file")
+    for out in filter(None, outs):
+        try:
+            if out.is_dir():
+                raise OutputError(f"{out}: is a folder; name a file")
+            if out.exists() and not out.is_file():
+                raise OutputError(f"{out}: is a pipe or a device; name a file")
+        except OSError as error:
+            raise OutputError(f"{out}: cannot be written ({error.strerror}); choose another place") from error
+    inputs = [*filter(None, read)]
+    keep_inputs(outs, inputs)
+    for folder in (one.resolve() for one in inputs if one.is_dir()):
+        for out in filter(None, outs):
+            if out.exists() and out.suffix.lower() not in OURS and folder in out.resolve().parents:
+                raise UsageError(f"{out}: would be written over a part of {folder}, which is read; choose another name")
     for folder in dict.fromkeys(out.parent for out in outs if out is not None):
         try:
             folder.mkdir(parents=True, exist_ok=True)

@@ -13,10 +13,12 @@ from .errors import (
     NO_ROOM,
     CommandError,
     ExitCode,
+    InputError,
     OutputError,
     UsageError,
     brief,
     lacks_room,
+    no_way_to,
 )
 from .neutrals import AUTO, NeutralRule
 from .onedriver import Cast, OneDriver, ingredients, papers_of
@@ -42,8 +44,6 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
     started = time.perf_counter()
     if not drivers and wish.track is None:
         raise UsageError("no driver given; name a video, a folder of pictures, or --track FILE")
-    if "" in drivers:
-        raise UsageError("a driver without a name; name a video or a folder of pictures")
     _check_beside_track(drivers, wish)
     jobs = plan_outputs(drivers or [str(wish.track)], out, wish.background is None)
     for _, result in jobs:
@@ -146,6 +146,9 @@ def _outcome_of(
         if lacks_room(error):
             message = f"{outcome.driver}: {NO_ROOM}"
             failure = OutputError(message)
+        elif said := no_way_to(error):
+            message = said
+            failure = InputError(message)
     return (
         replace(
             outcome,

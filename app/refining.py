@@ -62,7 +62,8 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
     if out.suffix != ".gem":
         raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
     cast, footage = open_avatar(avatar), opened(capture)
-    check_places(out, wish.moments, wish.sheet)
+    read = [capture, wish.start, None if out.resolve() == avatar.resolve() else avatar]
+    check_places(out, wish.moments, wish.sheet, read=read)
     effort = RefineEffort(
         wish.iterations, coefficients=wish.coefficients == "free", colors=wish.colors == "free", seed=wish.seed
     )

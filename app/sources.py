@@ -126,11 +126,12 @@ def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
 
 
 def files_of(driver: str) -> list[Path]:
-    """What is read for a command-line word: files, after the folder that they are in; nothing where there is none."""
+    """What is read for a command-line word: files, after the folder that they are in; nothing where there is none, or
+    where it may not be looked at."""
     path = Path(driver)
-    if path.is_dir():
-        return [path, *_pictures_in(path)] if os.access(path, os.R_OK) else [path]
-    return [path] if path.is_file() else _sequence(path)
+    if os.path.isdir(path):
+        return [path, *_pictures_in(path)] if os.access(path, os.R_OK | os.X_OK) else [path]
+    return [path] if os.path.isfile(path) else _sequence(path)
 
 
 def _pictures_in(folder: Path) -> list[Path]:

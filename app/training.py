@@ -1,5 +1,6 @@
 """Training from the command line: the one way from here into ``models.train``, and only when it is asked for."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -46,8 +47,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
     for video in wish.videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
-    out = out or avatar
-    check_places(out)
+    out = _place(out or avatar, [*wish.videos, *wish.companions, wish.former])
     try:
         gem, told = (_turns if wish.turns_only else _regressor)(avatar, wish)
     # a ValueError is a GemFormatError, a RegressorError, or what is wrong with a video
@@ -102,6 +102,14 @@ def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
     )
 
 
+def _place(out: Path, read: Sequence[Path | None]) -> Path:
+    """Where the avatar is written with what it learned; over itself it may be. Raises CommandError."""
+    if out.suffix != ".gem":
+        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    check_places(out, read=read)
+    return out
+
+
 def check_learning(steps: int, jobs: int | None) -> None:
     """Raises UsageError for numbers that cannot be."""
     if steps < 1:
@@ -120,8 +128,7 @@ def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
         from ..models.train.takeover import taken_over
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
-    out = out or avatar
-    check_places(out)
+    out = _place(out or avatar, [former])
     try:
         gem = load_gem(avatar)
         gem = replace(gem, regressor=taken_over(load_gem(former), gem))

@@ -9,13 +9,17 @@ from io import BufferedReader
 from pathlib import Path
 from typing import Any
 
+LONGEST_NAME = 255
+"""Bytes, on most disks."""
+_END = ".partial"
+
 
 def write_whole(path: Path, parts: Iterable[Any]) -> None:
     """Writes buffers to a file beside ``path``, makes sure they are on the disk, and only then gives it that name.
 
     Raises OSError; then nothing is left behind, and what was at ``path`` is still there.
     """
-    aside = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    aside = path.with_name(f"{_begin(path)}{os.getpid()}{_END}")
     try:
         with aside.open("wb") as file:
             for part in parts:
@@ -31,8 +35,15 @@ def write_whole(path: Path, parts: Iterable[Any]) -> None:
 
 def partials_of(path: Path) -> list[Path]:
     """What ``write_whole`` left beside ``path`` when its process was killed."""
-    begin, end = f".{path.name}.", ".partial"
-    return [file for file in path.parent.iterdir() if file.name.startswith(begin) and file.name.endswith(end)]
+    begin = _begin(path)
+    return [file for file in path.parent.iterdir() if file.name.startswith(begin) and file.name.endswith(_END)]
+
+
+def _begin(path: Path) -> str:
+    """How the name of a file begins that is not whole yet: where its own leaves no room, with what stands for that."""
+    room = LONGEST_NAME - len(f"..{2**22}{_END}")
+    name = os.fsencode(path.name)
+    return f".{path.name if len(name) <= room else hashlib.sha256(name).hexdigest()[:32]}."
 
 
 def settle(path: Path) -> None:

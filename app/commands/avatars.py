@@ -204,7 +204,7 @@ def train_regressor(
         strip: With a capture: a PNG of held-out moments: the person, at rest, driven, fitted, and where it differs.
     """
     from ..errors import UsageError
-    from ..library import avatars, find_avatar
+    from ..library import SHIPPED, avatars, find_avatar
     from ..opencapture import is_capture
     from ..owntraining import OwnWish, run_own_training
     from ..training import TrainingWish, run_taking_over, run_training
@@ -214,7 +214,7 @@ def train_regressor(
         if sources or rehearse_with or turns_only or labels or report or strip:
             raise UsageError("--take-over trains nothing; leave out captures, videos and what else training takes")
         return run_taking_over(path, out, find_avatar(take_over))
-    others = [entry.path for entry in avatars() if entry.shipped and entry.path != path]
+    others = [entry.path for entry in avatars(((SHIPPED, True),)) if entry.name != path.stem]
     if companions is not None:
         others = [find_avatar(name) for name in companions]
     captures = [source for source in sources if is_capture(source)]

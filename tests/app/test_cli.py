@@ -187,3 +187,40 @@ def test_ply_of_an_expression(tiny: Path, tmp_path: Path) -> None:
     assert rest.startswith(b"ply\nformat binary_little_endian 1.0")
     assert len(rest) == len(opened)
     assert rest != opened
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("info", "x" * 300),
+        ("reenact", "x" * 300, "-o", "b.mp4"),
+        ("verify", "x" * 300),
+        ("track", "x" * 300, "-o", "t"),
+    ],
+)
+def test_a_name_that_is_too_long_is_told(capsys: pytest.CaptureFixture[str], words: tuple[str, ...]) -> None:
+    code, error = told(capsys, *words)
+    assert code == ExitCode.INPUT, error
+    assert "File name too long); check the path" in error
+
+
+@pytest.mark.parametrize("words", [("distill", "", "-o", "x.gem"), ("train", "cap", "-o", " "), ("info", "")])
+def test_an_empty_word_is_not_the_current_folder(capsys: pytest.CaptureFixture[str], words: tuple[str, ...]) -> None:
+    code, error = told(capsys, *words)
+    assert code == ExitCode.USAGE, error
+    assert "an empty word follows" in error
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--live", "--seconds", "nan"), "--seconds nan: choose from 1 to 3600"),
+        (("--live", "--seconds", "0"), "--seconds 0: choose"),
+        (("--seconds", "5"), "--seconds is how long --live measures"),
+        (("--live", "--quick"), "--quick: the live window has no scenes"),
+    ],
+)
+def test_what_bench_cannot_measure(capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str) -> None:
+    code, error = told(capsys, "bench", *words)
+    assert code == ExitCode.USAGE, error
+    assert said in error

@@ -56,3 +56,8 @@ def test_no_avatar_at_all_is_told_with_its_cure() -> None:
 def test_a_library_of_only_own_avatars_has_a_default(tmp_path: Path) -> None:
     own = Entry("own", tmp_path / "own.gem", shipped=False)
     assert find_avatar(None, [own]) == own.path
+
+
+def test_the_default_is_the_users_own_where_it_has_the_favourites_name(tmp_path: Path) -> None:
+    entries = [Entry("ada", tmp_path / "ada.gem", True), Entry(DEFAULT, tmp_path / "mine.gem", False)]
+    assert find_avatar(None, entries) == tmp_path / "mine.gem"

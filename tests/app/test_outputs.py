@@ -35,6 +35,18 @@ def test_no_two_results_have_one_name() -> None:
     assert [result.name for _, result in plan] == ["talk.mp4", "talk-2.mp4", "talk-2-2.mp4", "Talk-3.mp4"]
 
 
+def test_no_result_has_the_name_that_another_has_until_it_is_whole() -> None:
+    for drivers, names in (
+        (["talk.partial.mp4", "talk.mp4"], ["talk.partial.mp4", "talk-2.mp4"]),
+        (["talk.mp4", "talk.partial.mp4"], ["talk.mp4", "talk.partial-2.mp4"]),
+    ):
+        results = [result for _, result in plan_outputs(drivers, "out", False)]
+        assert [result.name for result in results] == names
+        keep_inputs(results, [])
+    with pytest.raises(UsageError, match="two results would have this name"):
+        keep_inputs([Path("z.mp4"), Path("z.partial.mp4")], [])
+
+
 def test_several_results_are_what_their_names_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     plan = plan_outputs([".", "v.mp4.mov"], "out", True)

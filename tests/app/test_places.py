@@ -1,11 +1,12 @@
 """Where results go: found out early, and what took hours is not lost for want of room."""
 
 import errno
+import os
 import re
 from pathlib import Path
 
 import pytest
-from gemheads.app.errors import OutputError
+from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.places import check_places, save_learned
 
 
@@ -30,6 +31,30 @@ def test_a_folder_that_cannot_be_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match=f"{tmp_path / 'file'}: cannot be written .*; choose another folder"):
         check_places(tmp_path / "a", tmp_path / "file" / "b")
+
+
+def test_a_name_that_no_disk_takes_and_what_is_no_file_are_told(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="File name too long"):
+        check_places(tmp_path / f"{300 * 'x'}.gem")
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe")
+        with pytest.raises(OutputError, match="is a pipe or a device; name a file"):
+            check_places(tmp_path / "pipe")
+
+
+def test_nothing_is_written_over_what_is_read_or_over_another_result(tmp_path: Path) -> None:
+    capture, avatar = tmp_path / "capture", tmp_path / "a.gem"
+    capture.mkdir()
+    for file in (avatar, capture / "template.npz", capture / "before.gem"):
+        file.touch()
+    for outs, said in (
+        ([avatar], "is read"),
+        ([tmp_path / "b.gem", tmp_path / "capture" / ".." / "b.gem"], "two results would have this name"),
+        ([capture / "template.npz"], "a part of .*capture"),
+    ):
+        with pytest.raises(UsageError, match=said):
+            check_places(*outs, read=[avatar, None, capture])
+    check_places(capture / "before.gem", capture / "new.png", tmp_path / "c.gem", read=[avatar, capture])
 
 
 def test_what_is_learned_is_saved_where_it_should_be(tmp_path: Path) -> None:

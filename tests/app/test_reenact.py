@@ -280,7 +280,7 @@ def test_a_result_is_badged_and_signed_and_says_whose_face_it_is(
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (("",), ExitCode.USAGE, "a driver without a name"),
+        (("",), ExitCode.USAGE, "an empty word follows"),
         (("talk.mp4", "--report", "out.mp4"), ExitCode.USAGE, "two results would have this name"),
         (("talk.mp4", "--neutral-sheet", "out.mp4"), ExitCode.USAGE, "two results would have this name"),
         (("talk.mp4", "--report", "folder"), ExitCode.OUTPUT, "folder: is a folder; name a file"),

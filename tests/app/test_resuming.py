@@ -110,3 +110,23 @@ def test_resuming_whole_folders_makes_anew_what_is_of_other_settings(
     (out / ".made-of.png.json").unlink()
     assert play(tiny, clip, "-o", out, "--resume") == 0
     assert "says what it was made of; passed by" in capsys.readouterr().err
+
+
+def test_resuming_makes_anew_what_had_another_picture_as_its_neutral(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    frames = cv2.VideoCapture(str(DEMO_CLIP))
+    picture, out, report = tmp_path / "n.png", tmp_path / "out.mp4", tmp_path / "r.json"
+
+    def status(named: Path | str) -> str:
+        assert play(tiny, clip, "-o", out, "--neutral", f"image={named}", "--resume", "--report", report) == 0
+        return json.loads(report.read_text())["runs"][0]["status"]
+
+    cv2.imwrite(str(picture), frames.read()[1])
+    assert status(picture) == "done"
+    monkeypatch.chdir(tmp_path)
+    assert status("n.png") == "kept"
+    for _ in range(40):
+        image = frames.read()[1]
+    cv2.imwrite(str(picture), image)
+    assert status(picture) == "done"

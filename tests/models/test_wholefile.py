@@ -1,0 +1,33 @@
+"""Files that appear whole or not at all, whatever they are called."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from gemheads.models.wholefile import partials_of, write_whole
+
+LONG = "n" * 251 + ".gem"
+"""As long as most disks take."""
+
+
+def test_a_name_as_long_as_the_disk_takes_is_written(tmp_path: Path) -> None:
+    for name in (LONG, "ø" * 125 + ".gem"):
+        write_whole(tmp_path / name, [b"whole"])
+        assert (tmp_path / name).read_bytes() == b"whole"
+        assert partials_of(tmp_path / name) == []
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("name", ["a.gem", LONG])
+def test_what_is_not_whole_yet_can_be_found(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    found: list[int] = []
+
+    def parts() -> Iterator[bytes]:
+        yield b"half"
+        found.append(len(partials_of(path)))
+        yield b"and half"
+
+    write_whole(path, parts())
+    assert found == [1]
+    assert path.read_bytes() == b"halfand half"
