@@ -1,5 +1,6 @@
 """The folder of a training run: what was asked for, how far it came, and the avatar in it."""
 
+import hashlib
 import io
 import json
 import math
@@ -14,7 +15,7 @@ import torch
 from ...render.diff import cuda
 from ...render.diff.tensors import RawTensors
 from ...render.gaussians import RawGaussians
-from ..captures.layout import Tracked
+from ..captures.layout import SPLITS, Tracked, transforms_name
 from ..captures.reader import Capture, open_capture
 from ..captures.texels import Texels, texels_of
 from ..wholefile import write_whole
@@ -44,6 +45,8 @@ class Config:
     plan: Plan
     seconds: float | None = 0.0
     """Spent so far, by the clock, previews and checkpoints included; None where the run is from before it was kept."""
+    learned_of: str = ""
+    """What ``known_by`` says of the capture; empty where the run is from before it was kept."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,7 @@ def open_run(folder: Path, capture: Path | None = None) -> Run:
         raise RunError(folder, "holds nothing learned yet", "let gemheads train work on it for longer")
     opened = open_capture(config.capture if capture is None else capture)
     KINDS[config.plan.model].require(opened)
+    _recognize(folder, config, opened)
     texels = texels_of(opened.template, config.plan.size)
     avatar = untrained(texels, config.plan)
     load(avatar, state["avatar"], folder)
@@ -115,6 +119,8 @@ def load(avatar: Avatar, weights: Mapping[str, Any], folder: Path) -> None:
 def write_config(folder: Path, config: Config) -> None:
     """Raises OSError."""
     told: dict[str, Any] = {"version": VERSION, "capture": str(config.capture.resolve()), "subject": config.subject}
+    if config.learned_of:
+        told["learned_of"] = config.learned_of
     told["seconds"] = None if config.seconds is None else round(config.seconds, 1)
     text = json.dumps({**told, "plan": asdict(config.plan)}, indent=1)
     write_whole(folder / CONFIG, [text.encode()])
@@ -129,7 +135,8 @@ def read_config(folder: Path) -> Config | None:
         told = json.loads(path.read_text())
         version = told["version"]
         if version == VERSION:
-            return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]), _seconds(told))
+            known = str(told.get("learned_of", ""))
+            return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]), _seconds(told), known)
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError, OSError) as error:
         raise RunError(path, f"cannot be understood ({str(error)[:200]})", "train again into another folder") from error
     what = f"has version {str(version)[:20]}, this program reads {VERSION}"
@@ -171,14 +178,37 @@ def broken(folder: Path, error: Exception) -> RunError:
     return RunError(folder / CHECKPOINT, f"is broken ({type(error).__name__})", cure)
 
 
-def begin_run(folder: Path, config: Config) -> Config:
+def known_by(capture: Capture) -> str:
+    """SHA-256 of what tells a capture from another in its folder: its lists of pictures, its template, and how large
+    pictures and meshes are. Wherever it is moved to, it stays the same."""
+    known = hashlib.sha256(capture.template.vertices.tobytes() + capture.template.triangles.tobytes())
+    for split in SPLITS:
+        known.update((capture.folder / transforms_name(split)).read_bytes() if capture.shots(split) else b"")
+        known.update(f"{split} {[shot.picture.stat().st_size for shot in capture.shots(split)]}".encode())
+    known.update(f"{[(moment, mesh.stat().st_size) for moment, mesh in sorted(capture.meshes.items())]}".encode())
+    return known.hexdigest()
+
+
+def _recognize(folder: Path, config: Config, capture: Capture) -> None:
+    """Raises RunError where the capture is another one than was learned of."""
+    if config.learned_of and config.learned_of != known_by(capture):
+        what = f"learned of another capture than {capture.folder} holds now"
+        raise RunError(folder, what, "bring that one back, or train again into another folder")
+
+
+def begin_run(folder: Path, capture: Capture, plan: Plan) -> Config:
     """Makes the folder and writes its config; a run of the same goes on, with its own. Raises RunError, OSError."""
+    config = Config(capture.folder, capture.subject, plan, learned_of=known_by(capture))
     before = read_config(folder)
+    if before is None and folder.is_dir() and any(not file.name.startswith(".") for file in folder.iterdir()):
+        raise RunError(folder, "is no run, and there is something in it", "name a new folder")
     if before is not None and before.plan != config.plan:
         raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
     if before is not None and before.capture.resolve() != config.capture.resolve():
         raise RunError(folder, f"holds a run of {before.capture}", "give that capture to go on, or another folder")
-    if before is None:
+    if before is not None:
+        _recognize(folder, before, capture)
+    else:
         folder.mkdir(parents=True, exist_ok=True)
         write_config(folder, config)
     return before or config

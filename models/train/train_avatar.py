@@ -108,7 +108,7 @@ def train_avatar(
         OSError: where the folder cannot be written.
     """
     KINDS[plan.model].require(capture)
-    config = begin_run(folder, Config(capture.folder, capture.subject, plan))
+    config = begin_run(folder, capture, plan)
     trainer = Trainer(capture, folder, config, perceptual, device or default_device())
     trainer.resume()
     return trainer.run(progress)
