@@ -16,8 +16,10 @@ from ..models.importers.plysequence import MAX_FRAMES, open_sequence
 from ..models.importers.source import Source
 from .errors import InputError, UsageError
 from .opencapture import is_capture, is_run
+from .words import refuse
 
 LEAST_MAPS, MOST_MAPS = 16, 512
+FRAMES, MAPS = 600, 128
 LEAST_FRAMES = 150
 """A performance shorter than this leaves out single shapes."""
 
@@ -29,14 +31,14 @@ class Wanted:
     name: str | None = None
     """None takes the name of the file that is written."""
     components: int = 50
-    frames: int = 600
-    """How many expressions a source that ARKit weights drive is asked for."""
+    frames: int | None = None
+    """How many expressions a source that ARKit weights drive is asked for; None is FRAMES."""
     seed: int = 0
     """Of the performance."""
-    scale: float = 1.0
-    """Metres of one unit of PLY files."""
-    maps: int = 128
-    """Texels along a side of the UV map that a capture's splats lie in."""
+    scale: float | None = None
+    """Metres of one unit of PLY files; None is 1."""
+    maps: int | None = None
+    """Texels along a side of the UV map that a capture's splats lie in; None is MAPS."""
     moments: Path | None = None
     """Where to write what the avatar does at each moment of its capture."""
     meshes: Path | None = None
@@ -68,15 +70,18 @@ def open_source(place: str, wanted: Wanted, progress: Progress = lambda stage, d
     if wanted.moments is not None and not is_run(path):
         raise UsageError(f"{place}: is no capture and no training run, so there are no --moments to write")
     if is_run(path):
+        refuse("a training run", frames=wanted.frames, scale=wanted.scale, meshes=wanted.meshes, maps=wanted.maps)
         return _run(path)
     return Opened(_foreign(path, wanted))
 
 
 def _bare_mesh(path: Path, wanted: Wanted, progress: Progress) -> Opened:
-    if not LEAST_MAPS <= wanted.maps <= MOST_MAPS:
-        raise UsageError(f"--maps {wanted.maps}: choose from {LEAST_MAPS} to {MOST_MAPS}")
+    refuse("a capture", frames=wanted.frames, scale=wanted.scale, meshes=wanted.meshes)
+    maps = MAPS if wanted.maps is None else wanted.maps
+    if not LEAST_MAPS <= maps <= MOST_MAPS:
+        raise UsageError(f"--maps {maps}: choose from {LEAST_MAPS} to {MOST_MAPS}")
     capture = open_capture(path)
-    return Opened(capture_source(capture, wanted.maps, progress), capture)
+    return Opened(capture_source(capture, maps, progress), capture)
 
 
 def _run(path: Path) -> Opened:
@@ -93,19 +98,24 @@ def _run(path: Path) -> Opened:
 
 
 def _foreign(path: Path, wanted: Wanted) -> Source:
-    if not LEAST_FRAMES <= wanted.frames <= MAX_FRAMES:
-        raise UsageError(f"--frames {wanted.frames}: choose from {LEAST_FRAMES} to {MAX_FRAMES}")
-    if not 1e-6 <= wanted.scale <= 1e6:
-        raise UsageError(f"--scale {wanted.scale}: give the metres of one of its units, such as 0.01 for centimetres")
+    frames = FRAMES if wanted.frames is None else wanted.frames
+    scale = 1.0 if wanted.scale is None else wanted.scale
+    if not LEAST_FRAMES <= frames <= MAX_FRAMES:
+        raise UsageError(f"--frames {frames}: choose from {LEAST_FRAMES} to {MAX_FRAMES}")
+    if not 1e-6 <= scale <= 1e6:
+        raise UsageError(f"--scale {scale}: give the metres of one of its units, such as 0.01 for centimetres")
     inner = [path, *(sub for sub in sorted(path.iterdir()) if sub.is_dir())] if path.is_dir() else []
     lams = [folder for folder in inner if (folder / MESH).exists()]
     if len(lams) == 1:
-        return load_lam(lams[0]).source(perform(np.random.default_rng(wanted.seed), wanted.frames))
+        refuse("a LAM avatar", scale=wanted.scale, meshes=wanted.meshes, maps=wanted.maps)
+        return load_lam(lams[0]).source(perform(np.random.default_rng(wanted.seed), frames))
     if lams:
         raise UsageError(f"{path}: holds {len(lams)} avatars; give one, such as {lams[0]}")
     if path.suffix in (".zip", ".glb", ".gem"):
         raise UsageError(f"{path}: give a folder with {MESH} and offset.ply (unpack a .zip first), or PLY files")
+    if path.exists():
+        refuse("PLY files", frames=wanted.frames, maps=wanted.maps)
     splats = path / SPLATS if path.is_dir() else path
     if wanted.meshes is not None or (splats.suffix == ".ply" and splats.is_file() and is_bound(splats)):
-        return open_bound(splats, wanted.meshes, wanted.scale)
-    return open_sequence(path, wanted.scale)
+        return open_bound(splats, wanted.meshes, scale)
+    return open_sequence(path, scale)

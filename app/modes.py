@@ -79,6 +79,8 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
         raise UsageError(f"-o {out}: the picture is a PNG; end its name in .png")
     keep_inputs([out], [path])
     gem = open_avatar(path).gem
+    if components < 1:
+        raise UsageError(f"--components {components}: choose 1 or more")
     rows = sum(min(components, len(gem.bases[modality])) for modality in MODALITIES)
     wide, high = STEPS * size[0], rows * (LABEL_PX + size[1])
     if wide * high > MOST_PIXELS:

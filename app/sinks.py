@@ -16,7 +16,7 @@ from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
 from ..models.mediafile import open_media
-from ..models.wholefile import settle, write_whole
+from ..models.wholefile import behind_links, settle, write_whole
 from .audio import AudioCopy
 from .errors import OutputError, UsageError
 from .recipes import KEY
@@ -89,6 +89,7 @@ class VideoSink:
     ) -> None:
         """``audio`` names a file whose first sound track is copied beside the pictures, or adds a track of its own to
         the opened container; ``recipe`` goes into the file (see ``recipes``). Raises OutputError."""
+        path = behind_links(path)
         self.path, self.partial = path, partial_name(path)
         suffix = path.suffix.lower()
         codec, pixels = video_codec(suffix, transparent)

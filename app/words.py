@@ -52,3 +52,10 @@ def read_rate(text: str) -> Fraction:
     if not 0 < rate <= 1000:
         raise UsageError(f"--rate {text}: not a rate; use frames per second such as 25 or 30000/1001")
     return rate
+
+
+def refuse(what: str, **options: object) -> None:
+    """Raises UsageError for the first option that was given, not None, though it does nothing for ``what``."""
+    for name, value in options.items():
+        if value is not None:
+            raise UsageError(f"--{name.replace('_', '-')}: does nothing for {what}; leave it out")

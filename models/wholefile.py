@@ -17,8 +17,10 @@ _END = ".partial"
 def write_whole(path: Path, parts: Iterable[Any]) -> None:
     """Writes buffers to a file beside ``path``, makes sure they are on the disk, and only then gives it that name.
 
-    Raises OSError; then nothing is left behind, and what was at ``path`` is still there.
+    What a link stands for is written, not the link. Raises OSError; then nothing is left behind, and what was at
+    ``path`` is still there.
     """
+    path = behind_links(path)
     aside = path.with_name(f"{_begin(path)}{os.getpid()}{_END}")
     try:
         with aside.open("wb") as file:
@@ -35,8 +37,14 @@ def write_whole(path: Path, parts: Iterable[Any]) -> None:
 
 def partials_of(path: Path) -> list[Path]:
     """What ``write_whole`` left beside ``path`` when its process was killed."""
+    path = behind_links(path)
     begin = _begin(path)
     return [file for file in path.parent.iterdir() if file.name.startswith(begin) and file.name.endswith(_END)]
+
+
+def behind_links(path: Path) -> Path:
+    """The file that a link stands for, whether it is there or not; any other path as it is."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def _begin(path: Path) -> str:

@@ -89,10 +89,10 @@ def distill(
     author: str = "",
     licence: str = "",
     consent: str = "",
-    frames: Whole = 600,
-    scale: float = 1.0,
+    frames: Whole | None = None,
+    scale: float | None = None,
     meshes: Path | None = None,
-    maps: Whole = 128,
+    maps: Whole | None = None,
     moments: Path | None = None,
     seed: Seed = 0,
 ) -> int:
@@ -107,10 +107,10 @@ def distill(
         author: Who made it.
         licence: Under which terms it may be passed on; those of the source hold for the avatar too.
         consent: Whose likeness it is, and what they agreed to.
-        frames: How many expressions a LAM avatar performs for it.
-        scale: Metres of one unit of the PLY files (y up, the face looks along +z).
+        frames: How many expressions a LAM avatar performs for it. Default: 600.
+        scale: Metres of one unit of the PLY files (y up, the face looks along +z). Default: 1.
         meshes: The mesh of a GaussianAvatars PLY frame by frame: a folder of .npz or .obj. Default: meshes beside it.
-        maps: Texels along a side of the UV map of a capture's splats.
+        maps: Texels along a side of the UV map of a capture's splats. Default: 128.
         moments: Where to write what the avatar does at each moment of its capture, for `refine --start`.
         seed: Of the performance; the same seed and source give the same file.
     """
@@ -127,12 +127,12 @@ def fit(
     /,
     *,
     out: Out,
-    camera: str = "portrait",
-    background: str = "auto",
+    camera: str | None = None,
+    background: str | None = None,
     errors: Path | None = None,
     thorough: Annotated[bool, Parameter(negative="")] = False,
-    rate: str = "30",
-    split: str = "test",
+    rate: str | None = None,
+    split: str | None = None,
     cameras: str | None = None,
 ) -> int:
     """Find the expression and the head's pose in pictures of an avatar (extra: pip install 'gemheads[train]').
@@ -141,24 +141,27 @@ def fit(
         avatar: Name of an avatar or a .gem file.
         picture: A picture or video of that avatar or person, a folder of pictures, numbered pictures, or a capture.
         out: The track to write, for `reenact --track`.
-        camera: portrait is the view of `reenact`; else a JSON file with the camera that took the pictures.
-        background: The colour behind the head (#rrggbb or a name); auto takes that of the first picture's upper edge.
+        camera: portrait, the default, is the view of `reenact`; else a JSON file with the camera of the pictures.
+        background: The colour behind the head (#rrggbb or a name); auto, the default, takes that of the first picture's
+            upper edge.
         errors: A PNG of the frame that fits least: picture, fit, and where they differ.
         thorough: Take some seconds more for the first frame.
-        rate: Frames per second of pictures.
-        split: Of a capture: train, val or test.
+        rate: Frames per second of pictures. Default: 30.
+        split: Of a capture: train, val or test. Default: test.
         cameras: Of a capture: which cameras, such as 0,3. Default: four, spread over all.
     """
     from ..capturefitting import CaptureWish, run_capture_fitting
-    from ..fitting import FitWish, run_fitting
+    from ..fitting import AUTO, PORTRAIT, FitWish, run_fitting
     from ..library import find_avatar
     from ..opencapture import is_capture
-    from ..words import read_rate
+    from ..words import read_rate, refuse
 
     if is_capture(Path(picture)):
-        footage = CaptureWish(split, cameras, errors, thorough)
+        refuse("a capture", camera=camera, background=background, rate=rate)
+        footage = CaptureWish(split or CaptureWish.split, cameras, errors, thorough)
         return run_capture_fitting(Path(picture), Path(out), find_avatar(avatar), footage)
-    wish = FitWish(camera, background, errors, thorough, read_rate(rate))
+    refuse("pictures and videos", split=split, cameras=cameras)
+    wish = FitWish(camera or PORTRAIT, background or AUTO, errors, thorough, read_rate(rate or "30"))
     return run_fitting(picture, Path(out), find_avatar(avatar), wish)
 
 
@@ -211,7 +214,8 @@ def train_regressor(
 
     path = find_avatar(avatar)
     if take_over is not None:
-        if sources or rehearse_with or turns_only or labels or report or strip:
+        learns = (sources, companions, rehearse_with, turns_only, steps, jobs, labels, report, strip)
+        if any(given not in (None, (), False) for given in learns):
             raise UsageError("--take-over trains nothing; leave out captures, videos and what else training takes")
         return run_taking_over(path, out, find_avatar(take_over))
     others = [entry.path for entry in avatars(((SHIPPED, True),)) if entry.name != path.stem]

@@ -224,3 +224,20 @@ def test_what_bench_cannot_measure(capsys: pytest.CaptureFixture[str], words: tu
     code, error = told(capsys, "bench", *words)
     assert code == ExitCode.USAGE, error
     assert said in error
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("fit", "mara", "{picture}", "-o", "t", "--split", "val"), "--split: does nothing for pictures and videos"),
+        (("fit", "mara", "{picture}", "-o", "t", "--cameras", "0"), "--cameras: does nothing for pictures"),
+        (("train-regressor", "mara", "--take-over", "theo", "--steps", "5"), "--take-over trains nothing"),
+        (("modes", "mara", "-o", "m.png", "--components", "0"), "--components 0: choose 1 or more"),
+    ],
+)
+def test_options_that_do_nothing_are_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, words: tuple[str, ...], said: str
+) -> None:
+    code, error = told(capsys, *(word.format(picture=tmp_path / "a.png") for word in words))
+    assert code == ExitCode.USAGE, error
+    assert said in error

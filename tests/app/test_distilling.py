@@ -79,6 +79,9 @@ def test_a_sequence_plays_its_own_frames(lam: Any, tmp_path: Path) -> None:
         (("lam", "-o", "a.gem", "--components", "513"), ExitCode.USAGE, "choose from 1 to 512"),
         (("lam", "-o", "a.gem", "--scale", "0"), ExitCode.USAGE, "--scale 0.0: give the metres"),
         (("lam", "-o", "a.gem", "--scale", "nan"), ExitCode.USAGE, "--scale nan: give the metres"),
+        (("lam", "-o", "a.gem", "--scale", "2"), ExitCode.USAGE, "--scale: does nothing for a LAM avatar"),
+        (("lam", "-o", "a.gem", "--maps", "9999"), ExitCode.USAGE, "--maps: does nothing for a LAM avatar"),
+        (("plys", "-o", "a.gem"), ExitCode.USAGE, "--frames: does nothing for PLY files"),
         (("nobody", "-o", "a.gem"), ExitCode.INPUT, "there is no PLY file; give a folder"),
         (("lam.zip", "-o", "a.gem"), ExitCode.USAGE, "unpack a .zip first"),
         ((".", "-o", "a.gem"), ExitCode.USAGE, "holds 2 avatars; give one"),
@@ -96,6 +99,7 @@ def test_what_cannot_be_done_is_one_line(
     said: str,
 ) -> None:
     lam.write(tmp_path / "second")
+    (tmp_path / "plys").mkdir()
     monkeypatch.chdir(tmp_path)
     assert distil(*words) == code
     lines = capsys.readouterr().err.strip().splitlines()

@@ -1,5 +1,6 @@
 """Files that appear whole or not at all, whatever they are called."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -31,3 +32,16 @@ def test_what_is_not_whole_yet_can_be_found(tmp_path: Path, name: str) -> None:
     write_whole(path, parts())
     assert found == [1]
     assert path.read_bytes() == b"halfand half"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows links only for administrators")
+def test_a_link_stays_one_and_what_it_stands_for_is_written(tmp_path: Path) -> None:
+    (tmp_path / "store").mkdir()
+    for there in (True, False):
+        real, link = tmp_path / "store" / f"{there}.gem", tmp_path / f"{there}.gem"
+        if there:
+            real.write_bytes(b"before")
+        link.symlink_to(real)
+        write_whole(link, [b"now"])
+        assert link.is_symlink()
+        assert real.read_bytes() == b"now"

@@ -97,13 +97,13 @@ def test_other_settings_are_another_run(capture: Capture, trained: Path) -> None
 
 def test_another_capture_in_its_place_is_not_learned_on(capture: Capture, trained: Path) -> None:
     moved = replace(capture.template, vertices=capture.template.vertices + np.float32(0.001))
-    with pytest.raises(RunError, match="learned of another capture than .* holds now; bring that one back"):
+    with pytest.raises(RunError, match=r"learned of another capture than .* holds now; bring that one back"):
         train_avatar(replace(capture, template=moved), trained, BRIEF, Perceptual(TINY))
 
 
 def test_a_folder_that_holds_something_else_takes_no_run(capture: Capture, tmp_path: Path) -> None:
     (tmp_path / "photo.png").touch()
-    with pytest.raises(RunError, match="is no run, and there is something in it; name a new folder"):
+    with pytest.raises(RunError, match=r"is no run, and there is something in it; name a new folder"):
         train_avatar(capture, tmp_path, BRIEF, Perceptual(TINY))
     assert [file.name for file in tmp_path.iterdir()] == ["photo.png"]
 
