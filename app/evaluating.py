@@ -21,7 +21,7 @@ from .evaluation.page import page
 from .evaluation.summary import VERSION, about_capture, columns_json
 from .jobs import check_jobs
 from .judging import Judged, Lpips, held_out_shots, judge_on, seated
-from .opencapture import opened
+from .opencapture import is_capture, is_run, opened
 from .progress import ProgressBar
 from .reports import versions
 from .sizing import Sizes, check_sizes, judge_sizes
@@ -94,6 +94,8 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
     check_jobs(wish.jobs)
     if wish.components and capture is None:
         raise UsageError("--components: give a CAPTURE to judge by")
+    if is_capture(out) or is_run(out):
+        raise UsageError(f"{out}: is a capture or a training run; name another folder for the report")
     if out.suffix in (".html", ".json"):
         raise UsageError(f"{out}: the report is a folder, such as -o {out.with_suffix('')}")
     check_crossing(wish.crossing)

@@ -1,5 +1,6 @@
 """Which avatars there are: those that ship, and those in the user's data folder."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,8 +33,9 @@ def avatars(folders: tuple[tuple[Path, bool], ...] | None = None) -> list[Entry]
     """All avatars by name, the user's own before a shipped one of the same name; ``folders``: (folder, shipped)."""
     found: dict[str, Entry] = {}
     for folder, shipped in folders or ((user_folder(), False), (SHIPPED, True)):
-        # no name begins with a dot: macOS puts a ._mara.gem beside mara.gem on disks of others
-        for file in sorted(folder.glob(f"[!.]*{SUFFIX}")) if folder.is_dir() else ():
+        # no name begins with a dot: macOS puts a ._mara.gem beside mara.gem on disks of others; a folder that may not
+        # be looked at holds none
+        for file in sorted(folder.glob(f"[!.]*{SUFFIX}")) if os.path.isdir(folder) else ():
             found.setdefault(file.stem, Entry(file.stem, file, shipped))
     return [found[name] for name in sorted(found)]
 

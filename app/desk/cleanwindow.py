@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.contexts import window_context
+from ..senders.fitting import fitted
+from ..senders.virtualcamera import CHROMA_GREEN
 from .picture import Area, PictureOnScreen
 
 
@@ -34,7 +36,8 @@ class CleanWindow:
         return not glfw.window_should_close(self._window)
 
     def show(self, picture: NDArray[np.uint8]) -> None:
-        """The picture [H, W, 3|4], as large as it fits on black."""
+        """The picture [H, W, 3|4], as large as it fits on black; what is transparent is green, as in the virtual
+        camera, so that who captures it can take it away."""
         before, size = glfw.get_current_context(), glfw.get_framebuffer_size(self._window)
         if min(size) < 1:
             return
@@ -42,6 +45,8 @@ class CleanWindow:
         self._context.screen.use()
         self._context.viewport = (0, 0, *size)
         self._context.clear(0, 0, 0, 1)
+        if picture.shape[2] == 4:
+            picture = fitted(picture, (picture.shape[1], picture.shape[0]), CHROMA_GREEN)
         self._picture.put(picture)
         area = Area(0, 0, *size).fitted(picture.shape[1], picture.shape[0])
         self._picture.draw(area, size, mirrored=False)

@@ -209,6 +209,7 @@ def test_a_capture_without_one_split_has_one_table(
     ("words", "code", "said"),
     [
         (("{toy}", "{capture}", "--shots", "0"), ExitCode.USAGE, "--shots 0: choose from 1"),
+        (("{toy}", "{capture}", "-o", "{capture}"), ExitCode.USAGE, "is a capture or a training run; name another"),
         (("{toy}", "{capture}", "-o", "r.html"), ExitCode.USAGE, "the report is a folder, such as -o r"),
         (("{toy}", "{capture}", "--against", "{toy}"), ExitCode.USAGE, "is given twice"),
         (("nobody", "{capture}"), ExitCode.INPUT, "nobody: neither an avatar's name"),

@@ -71,3 +71,39 @@ def test_every_reader_says_so(said: dict[str, list[str]]) -> None:
 
 def test_settings_that_cannot_be_read_are_no_reason_to_stop(said: dict[str, list[str]]) -> None:
     assert said["settings"][0] == "read"
+
+
+FORBIDDEN = """
+import os, sys
+from gemheads.app.cli import main
+
+ASKED = (
+    ["info", "{}/a.gem"],
+    ["verify", "{}/a.mp4"],
+    ["track", "{}/a.mp4", "-o", "t"],
+    ["modes", "mara", "-o", "{}/m.png"],
+)
+for words in ASKED:
+    main([word.format(sys.argv[2]) for word in words])  # what it imports is loaded before the rights are given up
+print("now", file=sys.stderr)
+if os.getuid() == 0:
+    os.setuid(65534)
+for words in ASKED:
+    print("code", int(main([word.format(sys.argv[1]) for word in words])))
+"""
+
+
+def test_a_folder_that_may_not_be_entered_is_told_in_one_line(tmp_path: Path) -> None:
+    for place in (tmp_path, *tmp_path.parents):
+        if place.stat().st_uid == os.getuid() and place != Path("/tmp"):
+            place.chmod(place.stat().st_mode | 0o055)
+    locked = tmp_path / "locked"
+    locked.mkdir(mode=0)
+    command = [sys.executable, "-c", FORBIDDEN, str(locked), str(tmp_path / "open")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    assert [line for line in done.stdout.splitlines() if line.startswith("code")] == 4 * ["code 3"], done.stderr
+    lines = done.stderr.partition("now\n")[2].splitlines()
+    assert len(lines) == 4
+    for line in lines:
+        assert line.startswith(f"error: {locked}")
+        assert line.endswith("cannot be opened (Permission denied); check the path and its permissions")
