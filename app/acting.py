@@ -58,6 +58,8 @@ class Acting:
         self._shape: tuple[int, ...] = ()
         self._face: FaceObservation | None = None
         self._weights: WeightsFrame | None = None
+        self._posed: PoseFrame | None = None
+        """The last moment of a track, whichever avatar it is for."""
         self._relock = False
         self._passed_by = 0
         self.settling = Settling()
@@ -83,7 +85,7 @@ class Acting:
         self._tracker.reset()
         self._memory = replace(self._memory, box=None, thumbnail=None, faces=0)
         self.settling, self.hints, self.phase = Settling(), Hints(), Phase.SEARCHING
-        self._source_secs = self._face = self._weights = None
+        self._source_secs = self._face = self._weights = self._posed = None
         self._relock = False
 
     def resume(self) -> None:
@@ -161,6 +163,7 @@ class Acting:
 
     def pose(self, given: PoseFrame) -> Shot | None:
         """A moment of a track, exactly; None when it was made for another avatar."""
+        self._posed = given
         if given.avatar_sha256 != self._avatar.sha256:
             return None
         started = self._clock()
@@ -168,6 +171,9 @@ class Acting:
         self._face, self._weights, self.phase = None, None, Phase.TRACKING
         self._advance(dt, seen=True)
         self._pass(given.seconds, started)
+        return self._exactly(given, started)
+
+    def _exactly(self, given: PoseFrame, started: float) -> Shot:
         gem, pose = self._avatar.gem, given.pose
         sigmas = (pose.coefficients - gem.rest_coefficients) / gem.sigma
         still = np.zeros(3), np.zeros_like(sigmas)
@@ -197,6 +203,8 @@ class Acting:
         """The last moment once more, after the avatar or the sliders changed: nobody waits for the next picture."""
         started, memory = self._clock(), self._memory
         followed, now = memory.attention.phase is Phase.TRACKING, memory.seconds or 0.0
+        if self._posed is not None and self._posed.avatar_sha256 == self._avatar.sha256:
+            return self._exactly(self._posed, started)
         if self._face is not None:
             gone_over = FOR_GOOD if exact else 0.0
             self.settling = settle(self.settling, self._face, now, gone_over, self._tuning.neutral_strength)

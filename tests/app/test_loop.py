@@ -241,6 +241,19 @@ def test_a_track_is_played_exactly_and_only_by_its_avatar() -> None:
     assert shots[-1].pose.phase is Phase.IDLE
 
 
+def test_an_avatar_that_comes_back_does_what_its_track_says_at_once() -> None:
+    world = World(Source("track"))
+    k = (GEM.rest_coefficients + GEM.sigma).astype(np.float32)
+    given = PoseFrame(Pose(k, np.float32([0, 0.1, 0])), "sha of 0", world.clock.now)
+    world.play(0.2, lambda: given)
+    for seed, coefficients in ((1, None), (0, k)):
+        world.loop.cast(avatar(seed))
+        shot = world.loop.shots.take()
+        assert shot is not None
+        assert shot.avatar == f"sha of {seed}"
+        assert coefficients is None or shot.pose.coefficients.tolist() == coefficients.tolist()
+
+
 def test_weights_move_any_avatar_and_silence_is_told() -> None:
     from gemheads.models import arkit
 
