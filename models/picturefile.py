@@ -9,18 +9,38 @@ from numpy.typing import NDArray
 MAX_PIXELS = 2**26
 """8192 x 8192."""
 _PNG = b"\x89PNG\r\n\x1a\n"
+_KIND_OF_COLOUR = 25
+"""Where a PNG says so, in its first chunk."""
 _KINDS = (_PNG, b"\xff\xd8\xff", b"RIFF", b"BM", b"II*\0", b"MM\0*")
 """How PNG, JPEG, WebP, BMP and TIFF begin. What else OpenCV could read is not asked of it."""
 
 
 def decode_picture(data: bytes, flags: int = cv2.IMREAD_COLOR_RGB) -> NDArray[np.generic] | None:
-    """What ``cv2.imdecode`` makes of a file's bytes; None for all that is no sound picture of at most MAX_PIXELS."""
+    """What ``cv2.imdecode`` makes of a file's bytes; None for all that is no sound picture of at most MAX_PIXELS.
+
+    Where colours alone are asked for, a PNG with alpha is laid on white: what colours there are where nothing is to be
+    seen is anybody's guess.
+    """
     if not data.startswith(_KINDS) or (data.startswith(_PNG) and not _is_sound_png(data)):
         return None
+    laid = flags == cv2.IMREAD_COLOR_RGB and _has_alpha(data)
     try:
-        return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+        picture = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED if laid else flags)
     except cv2.error:  # more pixels than gemheads/__init__.py lets it decode
         return None
+    return _on_white(picture) if laid and picture is not None and picture.shape[2:] == (4,) else picture
+
+
+def _has_alpha(data: bytes) -> bool:
+    """By the kind of colour that a PNG's first chunk says: grey or RGB, each with alpha."""
+    return data.startswith(_PNG) and len(data) > _KIND_OF_COLOUR and data[_KIND_OF_COLOUR] in (4, 6)
+
+
+def _on_white(picture: NDArray[np.generic]) -> NDArray[np.uint8]:
+    """[H, W, 3] RGB bytes of [H, W, 4] BGRA of 8 or 16 bits."""
+    most = 255 if picture.dtype == np.uint8 else 65535
+    colour, alpha = picture[..., 2::-1].astype(np.float32), picture[..., 3:].astype(np.float32) / most
+    return np.round(255 * (colour / most * alpha + 1 - alpha)).astype(np.uint8)
 
 
 def _is_sound_png(data: bytes) -> bool:

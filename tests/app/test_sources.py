@@ -230,6 +230,18 @@ def test_colours_are_red_green_blue(tmp_path: Path) -> None:
     assert next(open_source(str(tmp_path / "red.png")).frames()).rgb[0, 0].tolist() == [200, 0, 0]
 
 
+@pytest.mark.parametrize("depth", [np.uint8, np.uint16])
+def test_a_png_with_alpha_is_laid_on_white(tmp_path: Path, depth: type) -> None:
+    most = np.iinfo(depth).max
+    image = np.zeros((20, 20, 4), depth)
+    image[:, :10] = (0, 0, most, 0)  # red that nobody is to see
+    image[:, 10:] = (most, 0, 0, most)
+    cv2.imwrite(str(tmp_path / "cut.png"), image)
+    rgb = next(open_source(str(tmp_path / "cut.png")).frames()).rgb
+    assert rgb[0, 0].tolist() == [255, 255, 255]
+    assert rgb[0, 15].tolist() == [0, 0, 255]
+
+
 def test_what_is_missing_is_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none\.mp4: no such file or folder"):
         open_source(str(tmp_path / "none.mp4"))
