@@ -67,14 +67,19 @@ def expression_of(avatar: Avatar, driving: Driving) -> Express:
     gem = avatar.gem
     if driving == "baseline":
         if gem.arkit_weights is None:
-            raise InputError(f"{avatar.path}: knows no ARKit shapes, so use --driver learned")
+            other = "use --driver learned" if gem.regressor is not None else _taught(avatar)
+            raise InputError(f"{avatar.path}: knows no ARKit shapes, and nothing else drives it by scores; {other}")
         return by_scores(gem)
     if gem.regressor is None:
+        other = "" if gem.arkit_weights is None else ", or use --driver baseline"
         raise InputError(
-            f"{avatar.path}: has no regressor, so nothing turns a face into its expressions;"
-            f" train one with `gemheads train-regressor {avatar.path}`, or use --driver baseline"
+            f"{avatar.path}: has no regressor, so nothing turns a face into its expressions; {_taught(avatar)}{other}"
         )
     try:
         return Regressor.of(gem)
     except RegressorError as error:
         raise InputError(f"{avatar.path}: {error}") from error
+
+
+def _taught(avatar: Avatar) -> str:
+    return f"train one with `gemheads train-regressor {avatar.path}`"

@@ -103,10 +103,13 @@ def _perceptual() -> "Perceptual":
 def _identity(cast: Avatar, footage: Capture, begin: "Mapping[int, Start]", wish: RefineWish) -> str:
     """Tells apart whatever would be refined into something else."""
     effort = wish.iterations, wish.coefficients, wish.colors, wish.perceptual, wish.seed
-    known = hashlib.sha256(f"{cast.sha256} {effort}".encode())
+    known = hashlib.sha256(f"{cast.sha256} {effort} {footage.background}".encode() + footage.template.digest())
     for shot in (*footage.train, *footage.val):
-        looked = shot.picture.stat()
-        known.update(f"{shot.picture.name} {looked.st_size} {looked.st_mtime_ns} {shot.camera}".encode())
+        known.update(f"{shot.camera}".encode())
+        for file in (shot.picture, shot.mask):
+            if file is not None:
+                looked = file.stat()
+                known.update(f"{file.name} {looked.st_size} {looked.st_mtime_ns}".encode())
     for timestep, moment in sorted(begin.items()):
         known.update(f"{timestep} {moment.pose}".encode() + moment.coefficients.tobytes())
     return known.hexdigest()

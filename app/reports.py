@@ -70,6 +70,12 @@ class Outcome:
     seconds: float = 0.0
     first_frame_seconds: float = 0.0
 
+    @property
+    def rate(self) -> float:
+        """Frames per second, from the first to the last; 0 where nothing was drawn."""
+        drawing = self.seconds - self.first_frame_seconds
+        return self.tally.frames / drawing if self.tally.frames and drawing > 0 else 0.0
+
 
 def write_report(path: Path, settings: dict[str, Any], outcomes: list[Outcome]) -> None:
     """All outcomes with settings and versions as JSON. Raises OutputError."""
@@ -77,8 +83,7 @@ def write_report(path: Path, settings: dict[str, Any], outcomes: list[Outcome]) 
     for outcome in outcomes:
         run = asdict(outcome)
         run.pop("tally")
-        rate = outcome.tally.frames / outcome.seconds if outcome.seconds else 0.0
-        runs.append({**run, **outcome.tally.as_json(), "frames_per_second": round(rate, 2)})
+        runs.append({**run, **outcome.tally.as_json(), "frames_per_second": round(outcome.rate, 2)})
     report = {"settings": settings, "runs": runs, "versions": versions()}
     write_json(path, report)
 

@@ -11,8 +11,9 @@ folder=${1:-learned}
 here=$(cd "$(dirname "$0")/.." && pwd)
 capture=${CAPTURE:-$folder/capture}
 driver=${DRIVER:-$here/assets/demo/driver.mp4}
-gemheads=${GEMHEADS:-gemheads}
-python=${PYTHON:-python3}
+# the environment that `make` left in .venv, unless another one is active or named
+gemheads=$(command -v "${GEMHEADS:-gemheads}" || echo "$here/.venv/bin/gemheads")
+python=${PYTHON:-$(dirname "$gemheads")/python3}
 
 # How much of everything; smaller is faster, and worse.
 cameras=${CAMERAS:-10} size=${SIZE:-256x256} split=${SPLIT:-48+16} noise=${NOISE:-1}

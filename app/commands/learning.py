@@ -14,7 +14,7 @@ def capture(
     *,
     subject: str = "ada",
     cameras: Whole = 16,
-    size: Size = "802x550",
+    size: Size = "550x802",
     split: str = "96+32",
     held_out: Whole | None = None,
     background: str = "white",

@@ -1,6 +1,7 @@
 """What a capture is made of: names in its folder, and what the reader gives out. docs/captures.md is the contract."""
 
-from dataclasses import dataclass
+import hashlib
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,13 @@ class Template:
     parts: NDArray[np.uint8]
     """[T] into part_names."""
     part_names: tuple[str, ...]
+
+    def digest(self) -> bytes:
+        """SHA-256 of all of it."""
+        known = hashlib.sha256()
+        for part in fields(self):
+            known.update(np.asarray(getattr(self, part.name)).tobytes())
+        return known.digest()
 
 
 @dataclass(frozen=True)

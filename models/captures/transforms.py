@@ -11,8 +11,10 @@ import numpy as np
 from ...render.camera import Camera
 from .layout import MESHES, UNITS, CaptureError, Shot, mesh_name
 
-MAX_BYTES = 256 * 2**20
-"""Some 300,000 pictures; more is no list of one capture."""
+MAX_BYTES = 64 * 2**20
+"""Some 75,000 pictures; more is no list of one capture."""
+BYTES_A_BRACKET = 8
+"""A camera's matrix alone has more for each list in it; what has fewer fills the memory with empty lists."""
 _GL_FROM_CV = np.diag([1.0, -1.0, -1.0, 1.0])
 """OpenGL cameras (x right, y up, looking along -z) and ours (x right, y down, along +z) differ by two signs."""
 _RIGID_TOLERANCE = 1e-3
@@ -80,7 +82,10 @@ def _load(path: Path) -> dict[str, Any]:
         size = path.stat().st_size
         if size > MAX_BYTES:
             raise CaptureError(path, f"is {size / 2**20:.0f} MiB", f"at most {MAX_BYTES // 2**20} MiB are read")
-        tree = json.loads(path.read_bytes())
+        text = path.read_bytes()
+        if text.count(b"[") + text.count(b"{") > 1000 + len(text) // BYTES_A_BRACKET:
+            raise CaptureError(path, "is all lists", "export it in the form of docs/captures.md")
+        tree = json.loads(text)
     except FileNotFoundError:
         raise CaptureError(path, "is missing", "a capture lists its pictures there (docs/captures.md)") from None
     except OSError as error:

@@ -39,8 +39,8 @@ class Plan:
     """What shall be captured."""
 
     cameras: int = 16
-    width: int = 802
-    height: int = 550
+    width: int = 550
+    height: int = 802
     train: int = 96
     """Moments to learn from."""
     test: int = 32

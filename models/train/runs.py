@@ -4,8 +4,9 @@ import hashlib
 import io
 import json
 import math
+import zipfile
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from ...render.gaussians import RawGaussians
 from ..captures.layout import SPLITS, Tracked, transforms_name
 from ..captures.reader import Capture, open_capture
 from ..captures.texels import Texels, texels_of
-from ..wholefile import write_whole
+from ..wholefile import open_ordinary, write_whole
 from .avatar import Avatar
 from .deform import moment_of
 from .kinds import KINDS, untrained
@@ -26,6 +27,7 @@ from .plan import Plan
 
 CONFIG, CHECKPOINT, PREVIEWS = "config.json", "checkpoint.pt", "previews"
 VERSION = 1
+MOST_CONFIG_BYTES = 2**16
 
 
 class RunError(Exception):
@@ -92,6 +94,9 @@ def open_run(folder: Path, capture: Path | None = None) -> Run:
     state = read_checkpoint(folder)
     if state is None:
         raise RunError(folder, "holds nothing learned yet", "let gemheads train work on it for longer")
+    if capture is None and not config.capture.is_dir():
+        what = f"its capture is no longer at {config.capture}"
+        raise RunError(folder, what, f"bring it back, or say where it is: gemheads train CAPTURE -o {folder}")
     opened = open_capture(config.capture if capture is None else capture)
     KINDS[config.plan.model].require(opened)
     _recognize(folder, config, opened)
@@ -132,7 +137,10 @@ def read_config(folder: Path) -> Config | None:
     if not path.is_file():
         return None
     try:
-        told = json.loads(path.read_text())
+        with open_ordinary(path) as (file, size):
+            if size > MOST_CONFIG_BYTES:
+                raise ValueError(f"{size} bytes are more than a config takes")
+            told = json.loads(file.read(MOST_CONFIG_BYTES).decode())
         version = told["version"]
         if version == VERSION:
             known = str(told.get("learned_of", ""))
@@ -164,12 +172,24 @@ def read_checkpoint(folder: Path) -> dict[str, Any] | None:
     if not path.is_file():
         return None
     try:
+        _check_archive(path)
         state = torch.load(path, map_location="cpu", weights_only=True)
         if (step := int(state["step"])) < 0:
             raise ValueError(f"step {step}")
         return {**state, "step": step, "avatar": dict(state["avatar"])}
     except Exception as error:  # torch names many, and a broken archive has its own
         raise broken(folder, error) from error
+
+
+def _check_archive(path: Path) -> None:
+    """Torch writes archives whose entries are as large in the file as in memory; others would fill that. Raises
+    ValueError, BadZipFile, OSError."""
+    with zipfile.ZipFile(path) as archive:
+        entries = archive.infolist()
+    if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
+        raise ValueError("compressed")
+    if sum(entry.file_size for entry in entries) > path.stat().st_size:
+        raise ValueError("entries lie in one another")
 
 
 def broken(folder: Path, error: Exception) -> RunError:
@@ -180,11 +200,12 @@ def broken(folder: Path, error: Exception) -> RunError:
 
 def known_by(capture: Capture) -> str:
     """SHA-256 of what tells a capture from another in its folder: its lists of pictures, its template, and how large
-    pictures and meshes are. Wherever it is moved to, it stays the same."""
-    known = hashlib.sha256(capture.template.vertices.tobytes() + capture.template.triangles.tobytes())
+    pictures, masks and meshes are. Wherever it is moved to, it stays the same."""
+    known = hashlib.sha256(capture.template.digest())
     for split in SPLITS:
         known.update((capture.folder / transforms_name(split)).read_bytes() if capture.shots(split) else b"")
-        known.update(f"{split} {[shot.picture.stat().st_size for shot in capture.shots(split)]}".encode())
+        files = [file for shot in capture.shots(split) for file in (shot.picture, shot.mask) if file is not None]
+        known.update(f"{split} {[file.stat().st_size for file in files]}".encode())
     known.update(f"{[(moment, mesh.stat().st_size) for moment, mesh in sorted(capture.meshes.items())]}".encode())
     return known.hexdigest()
 
@@ -204,9 +225,13 @@ def begin_run(folder: Path, capture: Capture, plan: Plan) -> Config:
         raise RunError(folder, "is no run, and there is something in it", "name a new folder")
     if before is not None and before.plan != config.plan:
         raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
-    if before is not None and before.capture.resolve() != config.capture.resolve():
-        raise RunError(folder, f"holds a run of {before.capture}", "give that capture to go on, or another folder")
     if before is not None:
+        if before.capture.resolve() != config.capture.resolve():
+            if before.learned_of != config.learned_of:
+                what, cure = f"holds a run of {before.capture}", "give that capture to go on, or another folder"
+                raise RunError(folder, what, cure)
+            before = replace(before, capture=config.capture)  # it was moved
+            write_config(folder, before)
         _recognize(folder, before, capture)
     else:
         folder.mkdir(parents=True, exist_ok=True)

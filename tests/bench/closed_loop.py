@@ -60,8 +60,11 @@ def main() -> int:
     parser.add_argument("--json", type=Path, help="write every figure there")
     parser.add_argument("--strip", type=Path, help="write a film strip of driver above avatar there (PNG)")
     options = parser.parse_args()
+    clips = options.clips or sorted(DRIVERS.glob("*.mp4"))
+    if not clips:
+        parser.error("no clips: name videos of faces")
     gem = load_gem(options.avatar)
-    drivers = opened_drivers([str(path) for path in options.clips or sorted(DRIVERS.glob("*.mp4"))])
+    drivers = opened_drivers([str(path) for path in clips])
     kept = Kept(options.cache)
     tracked = [driver.tracked(options.every, options.seconds, kept) for driver in drivers]
     clips = {one.name: one.clip for one in tracked}

@@ -71,7 +71,7 @@ def test_a_path_that_is_the_folder(tmp_path: Path, key: str, place: str) -> None
 def test_json_without_end(tmp_path: Path, text: str) -> None:
     path = tmp_path / "transforms_train.json"
     path.write_text(text)
-    refused(lambda: read_transforms(path), "nested too deeply|is no JSON|no object")
+    refused(lambda: read_transforms(path), "nested too deeply|is all lists|is no JSON|no object")
 
 
 def png(width: int, height: int, *, claimed: int = 0) -> bytes:

@@ -219,7 +219,8 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     "no frames": (_top(frames=[]), "lists no pictures"),
     "frames of another kind": (_top(frames={}), "no list 'frames'"),
     "no JSON": (_text("transforms_train.json", "{"), "is no JSON"),
-    "deep JSON": (_text("transforms_train.json", "[" * 200_000), "nested too deeply"),
+    "all lists": (_text("transforms_train.json", '{"frames": [], "x": [' + "[]," * 2**20 + "0]}"), "is all lists"),
+    "deep JSON": (_text("transforms_train.json", ("[" + 9 * " ") * 200_000), "nested too deeply"),
     "other topology": (
         _arrays("meshes/00002.npz", vertices=np.zeros((35, 3), np.float32)),
         r"meshes/00002.npz: has vertices of shape \(35, 3\), the template 36 x 3",

@@ -1,10 +1,13 @@
 """Training a CNN avatar: it learns, it survives kills and faults, and its run can be distilled."""
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +30,7 @@ from gemheads.models.train.moments import Moments  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from gemheads.models.train.plan import PRESETS, Plan  # noqa: E402
 from gemheads.models.train.run_source import run_source  # noqa: E402
-from gemheads.models.train.runs import CHECKPOINT, RunError, open_run, read_checkpoint  # noqa: E402
+from gemheads.models.train.runs import CHECKPOINT, CONFIG, RunError, open_run, read_checkpoint, read_config  # noqa: E402
 from gemheads.models.train.train_avatar import PATIENCE, RETURNS, Trainer, train_avatar  # noqa: E402
 
 BRIEF = Plan(
@@ -99,6 +102,43 @@ def test_another_capture_in_its_place_is_not_learned_on(capture: Capture, traine
     moved = replace(capture.template, vertices=capture.template.vertices + np.float32(0.001))
     with pytest.raises(RunError, match=r"learned of another capture than .* holds now; bring that one back"):
         train_avatar(replace(capture, template=moved), trained, BRIEF, Perceptual(TINY))
+
+
+def test_a_run_finds_its_capture_where_it_was_moved_to(capture: Capture, trained: Path, tmp_path: Path) -> None:
+    run, moved = tmp_path / "run", tmp_path / "moved"
+    shutil.copytree(trained, run)
+    shutil.copytree(capture.folder, moved)
+    config = json.loads((run / CONFIG).read_text())
+    (run / CONFIG).write_text(json.dumps({**config, "capture": str(tmp_path / "gone")}))
+    with pytest.raises(RunError, match=r"its capture is no longer at .*gone; bring it back, or say where it is"):
+        open_run(run)
+    assert train_avatar(open_capture(moved), run, BRIEF, Perceptual(TINY)).skipped == 0
+    assert open_run(run).capture.folder == moved.resolve()
+
+
+@pytest.mark.parametrize("part", ["uv", "neck_pivot", "triangles"])
+def test_another_template_is_another_capture(capture: Capture, trained: Path, part: str) -> None:
+    changed = replace(capture.template, **{part: getattr(capture.template, part)[::-1].copy()})
+    with pytest.raises(RunError, match="learned of another capture"):
+        train_avatar(replace(capture, template=changed), trained, BRIEF, Perceptual(TINY))
+
+
+def test_a_checkpoint_that_would_fill_the_memory_is_refused(trained: Path, tmp_path: Path) -> None:
+    shutil.copytree(trained, tmp_path / "run")
+    path = tmp_path / "run" / CHECKPOINT
+    with zipfile.ZipFile(path) as archive:
+        entries = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
+    with pytest.raises(RunError, match="is broken"):
+        read_checkpoint(tmp_path / "run")
+
+
+def test_a_config_as_large_as_none_is_refused_unread(tmp_path: Path) -> None:
+    (tmp_path / CONFIG).write_text("[" + "[]," * 2**20 + "0]")
+    with pytest.raises(RunError, match="more than a config takes"):
+        read_config(tmp_path)
 
 
 def test_a_folder_that_holds_something_else_takes_no_run(capture: Capture, tmp_path: Path) -> None:
