@@ -10,7 +10,7 @@ SHIPPED = Path(__file__).resolve().parent.parent / "assets" / "avatars"
 DEMO_CLIP = SHIPPED.parent / "demo" / "driver.mp4"
 SUFFIX = ".gem"
 DEFAULT = "mara"
-"""Follows strangers best (docs/closed-loop.md)."""
+"""What is opened when nobody names one."""
 
 
 @dataclass(frozen=True)
