@@ -134,6 +134,8 @@ class Acting:
         observed = None
         if seen.face is not None:
             self.phase = Phase.TRACKING
+            if exact:
+                memory = replace(memory, attention=replace(memory.attention, follow=1.0))
             memory = count_faces(self._tracker, memory, timed)
             observed = observe(seen.face, frame.rgb, memory.faces)
             if observed.is_finite:
@@ -261,8 +263,7 @@ class Acting:
         if live:
             memory = replace(memory, thumbnail=None)
         if exact:
-            attention = replace(memory.attention, follow=1.0)
-            memory = replace(memory, expression=None, turn=None, attention=attention)
+            memory = replace(memory, expression=None, turn=None)
         if rgb.shape != self._shape:
             if self._shape:
                 self._tracker.reset()

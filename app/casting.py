@@ -68,7 +68,7 @@ def expression_of(avatar: Avatar, driving: Driving) -> Express:
     if driving == "baseline":
         if gem.arkit_weights is None:
             other = "use --driver learned" if gem.regressor is not None else _taught(avatar)
-            raise InputError(f"{avatar.path}: knows no ARKit shapes, and nothing else drives it by scores; {other}")
+            raise InputError(f"{avatar.path}: knows no ARKit shapes, so scores do not drive it; {other}")
         return by_scores(gem)
     if gem.regressor is None:
         other = "" if gem.arkit_weights is None else ", or use --driver baseline"

@@ -15,7 +15,7 @@ from .distillable import Opened, Wanted, open_source
 from .errors import ExitCode, InputError, OutputError, UsageError
 from .moments import save_moments
 from .performance import Pose
-from .places import check_places
+from .places import check_avatar_name, check_places
 from .progress import ProgressBar
 
 ORIGIN = ("author", "licence", "consent")
@@ -24,8 +24,7 @@ ORIGIN = ("author", "licence", "consent")
 
 def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
     """Read, distil, save, and say what came of it. Raises CommandError."""
-    if out.suffix != ".gem":
-        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    check_avatar_name(out)
     about = {key: wanted.about[key] for key in ORIGIN if wanted.about.get(key, "").strip()}
     with ProgressBar() as bar:
         for key in ORIGIN[1:]:

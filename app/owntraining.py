@@ -11,7 +11,7 @@ from .casting import open_avatar
 from .errors import ExitCode, InputError, NoFaceError, UsageError
 from .opencapture import opened
 from .pictures import write_png
-from .places import check_places, save_learned
+from .places import check_avatar_name, check_places, save_learned
 from .progress import ProgressBar
 from .reports import write_json
 from .training import LEAST_PICTURES, check_learning, processes
@@ -56,8 +56,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     _check(wish)
     cast, footage = open_avatar(avatar), opened(capture)
-    if out.suffix != ".gem":
-        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    check_avatar_name(out)
     check_places(out, wish.report, wish.strip, read=[capture, *wish.videos, *wish.companions])
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
     judged: SelfReenactment | None = None

@@ -6,10 +6,15 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from .errors import OutputError, UsageError
+from .library import SUFFIX
 from .outputs import keep_inputs
+from .tensorfile import is_tensor_file
 
-OURS = (".gem", ".safetensors", ".st", ".html")
-"""What results are called that may lie in the folder of a capture or a run, and be made anew there."""
+
+def check_avatar_name(out: Path) -> None:
+    """Raises UsageError for a name that no avatar's file has."""
+    if out.suffix != SUFFIX:
+        raise UsageError(f"{out}: an avatar's file is called {SUFFIX}, such as -o {out.with_suffix(SUFFIX).name}")
 
 
 def check_places(*outs: Path | None, read: Iterable[Path | None] = ()) -> None:
@@ -17,7 +22,8 @@ def check_places(*outs: Path | None, read: Iterable[Path | None] = ()) -> None:
 
     Args:
         outs: files that will be written.
-        read: files and folders that are read, None likewise; nothing is written over them, or over what is in them.
+        read: files and folders that are read, None likewise; nothing is written over them, or over what is in them,
+            but for avatars and tracks, which no capture and no run consists of.
 
     Raises:
         OutputError: for a place that cannot be written.
@@ -35,7 +41,7 @@ def check_places(*outs: Path | None, read: Iterable[Path | None] = ()) -> None:
     keep_inputs(outs, inputs)
     for folder in (one.resolve() for one in inputs if one.is_dir()):
         for out in filter(None, outs):
-            if out.exists() and out.suffix.lower() not in OURS and folder in out.resolve().parents:
+            if out.exists() and not is_tensor_file(out) and folder in out.resolve().parents:
                 raise UsageError(f"{out}: would be written over a part of {folder}, which is read; choose another name")
     for folder in dict.fromkeys(out.parent for out in outs if out is not None):
         try:

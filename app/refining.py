@@ -18,7 +18,7 @@ from .moments import save_moments
 from .opencapture import opened
 from .performance import Pose
 from .pictures import write_png
-from .places import check_places, save_learned
+from .places import check_avatar_name, check_places, save_learned
 from .progress import ProgressBar
 from .trainingmoments import training_moments
 
@@ -59,8 +59,7 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
         raise InputError(f"refining needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if not LEAST <= wish.iterations <= MOST:
         raise UsageError(f"--iterations {wish.iterations}: choose from {LEAST} to {MOST}")
-    if out.suffix != ".gem":
-        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    check_avatar_name(out)
     cast, footage = open_avatar(avatar), opened(capture)
     read = [capture, wish.start, None if out.resolve() == avatar.resolve() else avatar]
     check_places(out, wish.moments, wish.sheet, read=read)

@@ -9,7 +9,7 @@ from ..models.gem import Gem
 from ..models.gemfile import load_gem, read_info, save_gem
 from .errors import ExitCode, InputError, UsageError
 from .jobs import affordable_jobs, check_jobs
-from .places import check_places, save_learned
+from .places import check_avatar_name, check_places, save_learned
 from .progress import ProgressBar
 
 MEMORY = 1_500_000_000
@@ -104,8 +104,7 @@ def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
 
 def _place(out: Path, read: Sequence[Path | None]) -> Path:
     """Where the avatar is written with what it learned; over itself it may be. Raises CommandError."""
-    if out.suffix != ".gem":
-        raise UsageError(f"{out}: an avatar's file is called .gem, such as -o {out.with_suffix('.gem').name}")
+    check_avatar_name(out)
     check_places(out, read=read)
     return out
 

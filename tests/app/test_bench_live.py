@@ -1,4 +1,5 @@
 import time
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +14,7 @@ from gemheads.app.bench_witness import Witness
 from gemheads.app.desk.layout import laid_out
 from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import DeskView
+from gemheads.app.errors import UsageError
 from gemheads.app.figures import Spread
 from gemheads.render.contexts import NoOpenGLError, offscreen_context
 from hypothesis import given
@@ -169,3 +171,11 @@ def test_a_framebuffer_is_read_from_the_top_left() -> None:
     assert lumas is not None
     assert lumas.tolist() == [0, 255, 0]
     context.release()
+
+
+def test_figures_are_not_written_over_the_avatar(tmp_path: Path) -> None:
+    avatar = tmp_path / "a.gem"
+    avatar.write_bytes(b"an avatar")
+    with pytest.raises(UsageError, match=r"a\.gem: would be written over"):
+        run_live_bench(json=avatar, avatar=str(avatar))
+    assert avatar.read_bytes() == b"an avatar"

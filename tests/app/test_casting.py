@@ -5,10 +5,11 @@ import os
 import sys
 import tracemalloc
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from gemheads.app.casting import open_avatar
+from gemheads.app.casting import Driving, expression_of, open_avatar
 from gemheads.app.errors import InputError
 
 
@@ -47,3 +48,12 @@ def test_a_pipe_that_nobody_writes_to_is_refused_at_once(tmp_path: Path) -> None
 def test_what_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none\.gem: cannot be read \(No such file"):
         open_avatar(tmp_path / "none.gem")
+
+
+@pytest.mark.parametrize("driving", ["learned", "baseline"])
+def test_what_neither_scores_nor_a_regressor_drive_is_sent_to_training(tiny: Path, driving: Driving) -> None:
+    avatar = open_avatar(tiny)
+    bare = replace(avatar, gem=replace(avatar.gem, arkit_weights=None, regressor=None))
+    with pytest.raises(InputError, match="train-regressor") as refused:
+        expression_of(bare, driving)
+    assert "--driver" not in str(refused.value)

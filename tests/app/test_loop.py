@@ -91,6 +91,23 @@ def test_between_the_frames_of_a_slow_video_the_avatar_does_what_the_last_one_di
         assert world.phase == "tracking"
 
 
+def test_a_frame_that_somebody_steps_to_is_shown_as_it_is(world: World) -> None:
+    world.person.face = None
+    world.play(2.0)
+    acting = world.loop.acting
+    world.person.face = face(jaw=0.5)
+    there = acting.frame(world.frame(), world.clock.now, live=False, exact=True, rate=None)
+    assert there is not None
+    assert jaw([there])[0] > 0.4
+
+
+def test_stepping_where_nobody_is_leaves_the_avatar_idle() -> None:
+    world = World()
+    world.person.face = None
+    world.loop.acting.frame(world.frame(), world.clock.now, live=False, exact=True, rate=None)
+    assert np.ptp([shot.pose.turn for shot in world.play(4.0)], 0).max() > 1e-3  # it breathes
+
+
 def test_a_camera_that_takes_its_time_is_no_empty_chair(world: World) -> None:
     opened(world)
     for _ in range(4):

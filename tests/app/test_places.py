@@ -5,9 +5,11 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.places import check_places, save_learned
+from safetensors.numpy import save_file
 
 
 class Disk:
@@ -45,8 +47,9 @@ def test_a_name_that_no_disk_takes_and_what_is_no_file_are_told(tmp_path: Path) 
 def test_nothing_is_written_over_what_is_read_or_over_another_result(tmp_path: Path) -> None:
     capture, avatar = tmp_path / "capture", tmp_path / "a.gem"
     capture.mkdir()
-    for file in (avatar, capture / "template.npz", capture / "before.gem"):
+    for file in (avatar, capture / "template.npz"):
         file.touch()
+    save_file({"pts": np.zeros(1)}, capture / "before.track")
     for outs, said in (
         ([avatar], "is read"),
         ([tmp_path / "b.gem", tmp_path / "capture" / ".." / "b.gem"], "two results would have this name"),
@@ -54,7 +57,7 @@ def test_nothing_is_written_over_what_is_read_or_over_another_result(tmp_path: P
     ):
         with pytest.raises(UsageError, match=said):
             check_places(*outs, read=[avatar, None, capture])
-    check_places(capture / "before.gem", capture / "new.png", tmp_path / "c.gem", read=[avatar, capture])
+    check_places(capture / "before.track", capture / "new.png", tmp_path / "c.gem", read=[avatar, capture])
 
 
 def test_what_is_learned_is_saved_where_it_should_be(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import DeskView
+from gemheads.app.senders.virtualcamera import CHROMA_GREEN
 from sealed import seal
 
 REASON = "needs Xvfb and xdotool (Debian: apt-get install xvfb xdotool)"
@@ -33,6 +34,7 @@ def show(self, picture, view):
     state = view.state
     words = f"{view.on_stage} {state.used_components} {state.compare} {state.panels} {self.size} {self.visible}"
     words += f" {len(view.avatars)} {view.loading or '-'} {bool(view.toasts)} {view.health.source or '-'}"
+    words += f" {state.ui_scale:.2f}"
     if words != kept.get("words"):
         kept["words"] = words
         print("STATE", words, flush=True)
@@ -166,6 +168,59 @@ def test_the_window_answers_keys_drops_resizing_minimising_and_closes(
     print(f"closed after {seconds:.2f} s")
     assert seconds < 3  # under a second on an idle machine; this one may be busy
     assert "tiny.gem" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
+
+
+@driven
+def test_ctrl_with_the_key_of_a_plus_and_keys_that_edit_a_path(running: Running) -> None:
+    running.until(lambda state: bool(state) and word(state, 7) == "-" and word(state, 9) != "-")
+    running.key("Escape")
+    before = float(word(running.state(), -2))
+    running.key("ctrl+minus")
+    running.until(lambda state: float(word(state, -2)) < before)
+    running.key("ctrl+plus")
+    running.until(lambda state: float(word(state, -2)) == before)
+    running.key("ctrl+o")
+    time.sleep(0.5)
+    source = word(running.state(), 9)
+    running.key("ctrl+w", "ctrl+minus")  # no source, smaller text
+    time.sleep(0.5)
+    assert (word(running.state(), 9), float(word(running.state(), -2))) == (source, before)
+    running.key("Escape")
+    running.key("ctrl+minus")
+    running.until(lambda state: float(word(state, -2)) < before)
+    running.key("ctrl+q")
+    assert running.process.wait(timeout=10) == 0
+
+
+GREEN = """
+import numpy as np
+from gemheads.app.bench_screen import XWindowReader
+from gemheads.app.desk.cleanwindow import CleanWindow
+from gemheads.app.desk.window import DeskWindow
+
+desk = DeskWindow((640, 480))
+clean = CleanWindow((64, 64), lambda window: None)
+picture = np.zeros((64, 64, 4), np.uint8)
+picture[:, 32:] = (200, 0, 0, 255)
+for _ in range(20):
+    desk.poll(0.02)
+    clean.show(picture)
+row = XWindowReader("gemheads clean").row(np.arange(64), 32)
+print(row[8], row[56])
+clean.close()
+desk.close()
+"""
+
+
+@driven
+def test_the_clean_window_is_green_where_nothing_is(display: str) -> None:
+    command = [sys.executable, "-c", seal() + GREEN]
+    done = subprocess.run(
+        command, env={**os.environ, "DISPLAY": display}, timeout=60, check=True, capture_output=True, text=True
+    )
+    left, right = (int(value) for value in done.stdout.split())
+    assert abs(left - CHROMA_GREEN[1]) <= 3
+    assert right <= 3
 
 
 @driven
