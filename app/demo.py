@@ -5,11 +5,11 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from .casting import open_avatar
 from .errors import ExitCode, InputError
 from .library import DEMO_CLIP, find_avatar
-from .reenact import reenact
-from .wish import Wish
+from .performing.casting import open_avatar
+from .reenacting.reenact import reenact
+from .reenacting.wish import Wish
 
 
 def run_demo(

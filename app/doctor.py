@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .errors import ExitCode
 from .library import DEMO_CLIP, avatars
-from .reports import versions
+from .reenacting.reports import versions
 
 FRAMES = 5
 """Pictures drawn to time an engine."""
@@ -87,12 +87,12 @@ def _speed(name: str) -> str:
     import time
 
     from ..render.engines import open_engine
-    from .casting import open_avatar
     from .library import find_avatar
     from .live import NO_SHIFT, Stage, draw
-    from .performance import Pose
-    from .portrait import portrait
-    from .timing import Stopwatch
+    from .performing.casting import open_avatar
+    from .performing.performance import Pose
+    from .performing.portrait import portrait
+    from .performing.timing import Stopwatch
     from .words import NAMED
 
     gem = open_avatar(find_avatar()).gem
@@ -124,7 +124,7 @@ def _networks() -> str:
 
 
 def _codecs() -> Iterator[Finding]:
-    from .sinks import has_encoder
+    from .files.sinks import has_encoder
 
     cure = "reinstall PyAV from its wheel: pip install --force-reinstall av"
     mp4 = [codec for codec in ("libx264", "libopenh264", "mpeg4") if has_encoder(codec)]
@@ -143,7 +143,7 @@ def _credentials() -> str:
 
 
 def _avatars() -> Iterator[Finding]:
-    from .casting import open_avatar
+    from .performing.casting import open_avatar
 
     entries = avatars()
     if not entries:

@@ -11,12 +11,12 @@ from ..models.gem import Gem
 from ..models.ply import save_ply
 from ..models.posing import pose_head
 from ..models.wholefile import file_sha256
-from .casting import check_components, check_track, open_avatar
 from .errors import InputError, OutputError, UsageError
-from .leftovers import take_over
-from .outputs import keep_inputs
-from .performance import Pose
-from .tracks import load_track
+from .files.leftovers import take_over
+from .files.outputs import keep_inputs
+from .files.tracks import load_track
+from .performing.casting import check_components, check_track, open_avatar
+from .performing.performance import Pose
 
 
 def export_expression(avatar: Path, out: Path, weights: list[str], components: int | None = None) -> None:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from ..models.gem import CHANNELS, MODALITIES, Gem
 from ..models.gemfile import GemFormatError, GemInfo, load_gem, read_info
+from .credentials.origin import NO_CONSENT, plain
 from .errors import InputError
-from .origin import NO_CONSENT, plain
 
 ORIGIN = ("author", "licence", "consent", "source")
 """What every avatar should say about itself, in the order it is shown."""

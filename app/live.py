@@ -19,15 +19,15 @@ from ..render.camera import Camera
 from ..render.compositing import over, to_rgba8
 from ..render.engines import Engine
 from ..render.gaussians import RawGaussians
-from . import idle
 from .desk.actions import Order
-from .following import Actor, Memory, count_faces, follow, look, turned_gain
-from .frames import Frame
-from .performance import Pose
-from .sinks import Sink
-from .state import Phase
-from .threads import Behind, ahead, at_most
-from .timing import Stopwatch
+from .files.frames import Frame
+from .files.sinks import Sink
+from .performing import idle
+from .performing.performance import Pose
+from .performing.presence import Phase
+from .performing.threads import Behind, ahead, at_most
+from .performing.timing import Stopwatch
+from .person.following import Actor, Memory, count_faces, follow, look, turned_gain
 
 if TYPE_CHECKING:
     from .desk.offscreen import DeskOffscreen

@@ -13,11 +13,11 @@ from ..render.camera import Camera
 from ..render.compositing import over
 from ..render.gaussians import RawGaussians
 from ..render.software import SoftwareEngine
-from .badge import badged
+from .credentials.badge import badged
 from .errors import OutputError, UsageError
-from .outputs import keep_inputs
-from .pictures import write_png
-from .portrait import portrait
+from .files.outputs import keep_inputs
+from .files.pictures import write_png
+from .performing.portrait import portrait
 
 Image = NDArray[np.uint8]
 EngineName = Literal["auto", "quads", "software"]
@@ -73,7 +73,7 @@ def modes_picture(
 def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], engine: EngineName) -> None:
     """Writes a PNG of the first components of each modality of an avatar, one below the other. Raises CommandError."""
     from ..render.engines import open_engine
-    from .casting import open_avatar
+    from .performing.casting import open_avatar
 
     if out.suffix.lower() != ".png":
         raise UsageError(f"-o {out}: the picture is a PNG; end its name in .png")

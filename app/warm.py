@@ -3,12 +3,12 @@
 import time
 
 from ..render.engines import open_engine
-from .casting import open_avatar
 from .library import find_avatar
 from .live import NO_SHIFT, Stage, draw
-from .performance import Pose
-from .portrait import portrait
-from .timing import Stopwatch
+from .performing.casting import open_avatar
+from .performing.performance import Pose
+from .performing.portrait import portrait
+from .performing.timing import Stopwatch
 from .words import NAMED
 
 

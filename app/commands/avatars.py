@@ -114,7 +114,7 @@ def distill(
         moments: Where to write what the avatar does at each moment of its capture, for `refine --start`.
         seed: Of the performance; the same seed and source give the same file.
     """
-    from ..distilling import Wanted, run_distilling
+    from ..making.distilling import Wanted, run_distilling
 
     about = {"author": author, "licence": licence, "consent": consent}
     wanted = Wanted(name, components, frames, seed, scale, maps, moments, meshes, about)
@@ -150,10 +150,10 @@ def fit(
         split: Of a capture: train, val or test. Default: test.
         cameras: Of a capture: which cameras, such as 0,3. Default: four, spread over all.
     """
-    from ..capturefitting import CaptureWish, run_capture_fitting
-    from ..fitting import AUTO, PORTRAIT, FitWish, run_fitting
     from ..library import find_avatar
-    from ..opencapture import is_capture
+    from ..making.capturefitting import CaptureWish, run_capture_fitting
+    from ..making.fitting import AUTO, PORTRAIT, FitWish, run_fitting
+    from ..making.opencapture import is_capture
     from ..words import read_rate, refuse
 
     if is_capture(Path(picture)):
@@ -208,9 +208,9 @@ def train_regressor(
     """
     from ..errors import UsageError
     from ..library import SHIPPED, avatars, find_avatar
-    from ..opencapture import is_capture
-    from ..owntraining import OwnWish, run_own_training
-    from ..training import TrainingWish, run_taking_over, run_training
+    from ..making.opencapture import is_capture
+    from ..making.owntraining import OwnWish, run_own_training
+    from ..making.training import TrainingWish, run_taking_over, run_training
 
     path = find_avatar(avatar)
     if take_over is not None:

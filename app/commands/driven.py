@@ -52,11 +52,11 @@ def reenact(
         no_badge: Leave the SYNTHETIC badge out, and why: the reason goes into the report and the credentials.
         name_driver: Put the driver's file name into the credentials, beside the hash of its bytes.
     """
+    from ..credentials.reasons import read_reason
     from ..library import find_avatar
-    from ..neutrals import read_rule
-    from ..reasons import read_reason
-    from ..reenact import reenact as run
-    from ..wish import Wish
+    from ..person.neutrals import read_rule
+    from ..reenacting.reenact import reenact as run
+    from ..reenacting.wish import Wish
     from ..words import read_colour, read_rate, read_size
 
     wish = Wish(
@@ -95,8 +95,8 @@ def demo(
         window: Play the result in a window (closes with Esc or Ctrl+Q); only where there is a display.
         no_badge: Leave the SYNTHETIC badge out, and why.
     """
+    from ..credentials.reasons import read_reason
     from ..demo import run_demo
-    from ..reasons import read_reason
 
     return run_demo(out, avatar, engine, window, read_reason(no_badge))
 
@@ -125,8 +125,8 @@ def track(
         rate: Frames per second of pictures.
     """
     from ..library import find_avatar
-    from ..neutrals import read_rule
-    from ..tracking import run_tracking
+    from ..person.neutrals import read_rule
+    from ..reenacting.tracking import run_tracking
     from ..words import read_rate
 
     rule = read_rule(neutral, neutral_sheet)

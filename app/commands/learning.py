@@ -37,8 +37,8 @@ def capture(
         seed: The same seed gives the same performance.
     """
     from ...models.studio.shoot import Plan
-    from ..capturing import read_split, run_capturing
     from ..errors import UsageError
+    from ..making.capturing import read_split, run_capturing
     from ..words import read_colour, read_size
 
     width, height = read_size(size)
@@ -75,7 +75,7 @@ def train(
         perceptual: With the VGG term of equation 2, whose weights are fetched once; --no-perceptual without.
         seed: The same seed and capture give the same avatar on a CPU.
     """
-    from ..avatartraining import TrainWish, run_avatar_training
+    from ..making.avatartraining import TrainWish, run_avatar_training
 
     return run_avatar_training(capture, out, TrainWish(preset, steps, perceptual, seed, model, maps))
 
@@ -112,7 +112,7 @@ def refine(
         seed: The same seed, avatar and capture give the same avatar on a CPU.
     """
     from ..library import find_avatar
-    from ..refining import RefineWish, run_refining
+    from ..making.refining import RefineWish, run_refining
 
     path = find_avatar(avatar)
     wish = RefineWish(iterations, coefficients, colors, start, moments, sheet, perceptual, seed)
@@ -156,8 +156,8 @@ def evaluate(
         jobs: Processes that judge, of one thread each; the figures are the same. Default: one for each core, as far
             as the memory reaches.
     """
-    from ..crossing import CrossingWish
-    from ..evaluating import EvaluateWish, run_evaluating
+    from ..evaluation.evaluating import EvaluateWish, run_evaluating
+    from ..evaluation.strangers import CrossingWish
 
     crossing = CrossingWish(tuple(drivers or ()), every, seconds)
     counts, number = tuple(components or ()), None if everything else shots

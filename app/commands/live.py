@@ -34,9 +34,9 @@ def live(
         listen: Take orders by OSC at HOST:PORT, or at PORT of this computer only; `?` in the window names them.
         no_badge: Leave the SYNTHETIC badge out of what is recorded, and why: the reason goes into the credentials.
     """
+    from ..credentials.reasons import read_reason
     from ..desk.command import live_command
     from ..errors import UsageError
-    from ..reasons import read_reason
     from ..words import read_size
 
     if driver is not None and camera is not None:

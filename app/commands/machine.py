@@ -29,7 +29,7 @@ def bench(
         seconds: How long to measure the live window. Default: 20.
     """
     if live:
-        from ..bench_live import run_live_bench
+        from ..bench.live import run_live_bench
 
         lasting = 20.0 if seconds is None else seconds
         if quick:
@@ -40,7 +40,7 @@ def bench(
         return ExitCode.OK
     if seconds is not None:
         raise UsageError("--seconds is how long --live measures; give that, too")
-    from ..bench import run_bench
+    from ..bench.drawing import run_bench
 
     run_bench(json=json, quick=quick, avatar=avatar)
     return ExitCode.OK

@@ -12,6 +12,6 @@ def verify(file: Path, /) -> int:
     Args:
         file: A .mp4, .mov, .png or .jpg file, by whatever program.
     """
-    from ..verify import run_verify
+    from ..credentials.verify import run_verify
 
     return run_verify(file)

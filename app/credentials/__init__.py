@@ -1,1 +1,1 @@
-"""Content credentials (C2PA): what a result says about itself, signed with a key of this computer, offline."""
+"""Whose face a result shows: the badge in its corner, and content credentials (C2PA), signed offline with a key of this computer."""

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...models.wholefile import file_sha256
 from ..errors import CommandError, OutputError
-from ..sources import IMAGE_SUFFIXES
+from ..files.sources import IMAGE_SUFFIXES
 from .reading import read_credentials
 from .signing import Signer
 from .statement import Driver, Statement

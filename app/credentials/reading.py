@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..errors import InputError, OutputError
-from ..origin import plain
 from .localkey import existing_key, key_file
+from .origin import plain
 from .signing import KINDS, OFFLINE, c2pa_module
 from .statement import LABEL
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
 
-from ..origin import Origin
+from .origin import Origin
 
 LABEL = "gemheads.synthetic"
 """Of the assertion that is ours."""

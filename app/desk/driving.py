@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from typing import Any
 
-from ..capture import Capture
-from ..casting import Avatar
+from ..credentials.origin import origin_of
 from ..errors import CommandError
 from ..inputs.source import Opener, Transport
-from ..origin import origin_of
-from ..shots import Health, Shot
-from ..tuning import GROUPS, Tuning
+from ..performing.capture import Capture
+from ..performing.casting import Avatar
+from ..performing.shots import Health, Shot
+from ..performing.tuning import GROUPS, Tuning
 from .actions import Order
 from .resting import NeutralTaking, kept, recalled
 from .sources import PERFORMANCE, CameraList, camera_named, demo, open_input

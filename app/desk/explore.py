@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.gem import CLAMP_SIGMAS, Gem
-from ..performance import Pose
+from ..performing.performance import Pose
 from .state import DeskState, Exploring
 
 SWEEP_SECS = 4.0

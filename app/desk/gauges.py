@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ..figures import Figures
-from ..ladder import Ladder, Quality, quality, said, update
-from ..shots import Health, Shot
-from ..timing import Stopwatch
+from ..performing.figures import Figures
+from ..performing.ladder import Ladder, Quality, quality, said, update
+from ..performing.shots import Health, Shot
+from ..performing.timing import Stopwatch
 from .view import Readings
 
 READ_EVERY = 0.25

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..casting import Avatar, expression_of, open_avatar
 from ..errors import CommandError
-from ..mailbox import Mailbox
+from ..performing.casting import Avatar, expression_of, open_avatar
+from ..performing.mailbox import Mailbox
 
 _END = Path()
 """Asked for at the end."""

@@ -9,10 +9,10 @@ import numpy as np
 from ...models.gem import MODALITIES, Gem
 from ...render.software import SoftwareEngine
 from ..live import NO_SHIFT, Stage, draw
-from ..mailbox import Mailbox
-from ..performance import Pose
-from ..portrait import portrait
-from ..timing import Stopwatch
+from ..performing.mailbox import Mailbox
+from ..performing.performance import Pose
+from ..performing.portrait import portrait
+from ..performing.timing import Stopwatch
 from .compare import decibels
 from .painter import KERNELS
 from .view import Curve

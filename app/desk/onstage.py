@@ -11,12 +11,12 @@ from ...models.gem import MODALITIES
 from ...models.posing import pose_head
 from ...render.compositing import over
 from ...render.engines import Engine
-from ..casting import Avatar
-from ..ladder import Quality
 from ..live import NO_SHIFT
-from ..performance import Pose
-from ..shots import Shot
-from ..timing import Stopwatch
+from ..performing.casting import Avatar
+from ..performing.ladder import Quality
+from ..performing.performance import Pose
+from ..performing.shots import Shot
+from ..performing.timing import Stopwatch
 from . import explore
 from .beside import Beside
 from .loader import Loader, Refused

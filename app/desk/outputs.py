@@ -5,8 +5,8 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from ..casting import Avatar
-from ..origin import origin_of
+from ..credentials.origin import origin_of
+from ..performing.casting import Avatar
 from ..senders.fan import Fan
 from ..senders.oscout import CoefficientsOut
 from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name

@@ -10,9 +10,9 @@ from ...models.gem import Gem
 from ...render.camera import Camera
 from ...render.engines import Engine
 from ..live import Stage, draw
-from ..performance import Pose
-from ..portrait import portrait
-from ..timing import Stopwatch
+from ..performing.performance import Pose
+from ..performing.portrait import portrait
+from ..performing.timing import Stopwatch
 from ..words import read_colour
 from .compare import decibels, heat, joined
 from .light import lit

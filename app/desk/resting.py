@@ -3,11 +3,11 @@
 from datetime import date
 
 from ...models.driver.neutral import NeutralChoice
-from ..casting import Avatar
 from ..errors import CommandError
-from ..profiles import load_profile, save_profile
-from ..restface import COLLECT_SECS, COUNTDOWN_SECS, TOO_FEW, Resting, RestSession, judge, step
-from ..shots import Health, Shot
+from ..performing.casting import Avatar
+from ..performing.shots import Health, Shot
+from ..person.profiles import load_profile, save_profile
+from ..person.restface import COLLECT_SECS, COUNTDOWN_SECS, TOO_FEW, Resting, RestSession, judge, step
 from .view import Rest
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...render.engines import Engine
-from ..casting import Avatar
 from ..errors import brief
+from ..performing.casting import Avatar
 from .actions import Order
 from .driving import Driving
 from .gauges import Gauges

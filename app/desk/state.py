@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ...models.gem import CLAMP_SIGMAS, MODALITIES
-from ..reasons import is_reason
+from ..credentials.reasons import is_reason
 from .actions import BY_NAME, Order
 
 BACKGROUNDS = ("studio", "grey", "white", "black", "green", "blue", "transparent")

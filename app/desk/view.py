@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..inputs.source import Transport
-from ..shots import Health, Shot
+from ..performing.shots import Health, Shot
 from .keys import Keymap, keymap
 from .state import DeskState
 

@@ -16,8 +16,8 @@ from ...models.crossing.poseleak import GOAL, PITCH_DEG, YAW_DEG
 from ...models.metrics.tables import CROSSING, CROSSING_BY
 
 if TYPE_CHECKING:
-    from ..drivers import Tracked
-    from ..robustness import Robustness
+    from .drivers import Tracked
+    from .robustness import Robustness
 
 JUDGED = [channel.name for channel in SCORE_CHANNELS]
 """Channels that have a goal."""

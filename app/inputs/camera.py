@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mailbox import Mailbox
+from ..performing.mailbox import Mailbox
 from .source import Kind, LiveSource, Opener, SourceLost, TimedFrame
 
 MICROSECOND = Fraction(1, 1_000_000)

@@ -10,10 +10,10 @@ from ...models.driver.baseline import baseline_weights
 from ...models.driver.face import FaceTracker
 from ...models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..errors import NoFaceError
+from ..files.sources import Source, open_source
+from ..files.weights import DEMO, WeightsTrack, save_weights
 from ..library import DEMO_CLIP
-from ..neutrals import AUTO, find_neutral
-from ..sources import Source, open_source
-from ..weights import DEMO, WeightsTrack, save_weights
+from ..person.neutrals import AUTO, find_neutral
 
 NAME = "Demo performance"
 SMOOTHING_SECS = 0.03

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..errors import CommandError
-from ..frames import Frame
+from ..files.frames import Frame
 from .attempt import Attempt, Spawn, in_thread
 from .source import Delivery, LiveSource, Opener, SourceLost, is_sound
 from .vigil import Vigil, watch

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..errors import InputError, UsageError
-from ..sources import IMAGE_SUFFIXES
-from ..tensorfile import is_tensor_file
+from ..files.sources import IMAGE_SUFFIXES
+from ..files.tensorfile import is_tensor_file
 from .oscin import LOOPBACK, PORTS, FaceData
 from .source import LiveSource, Opener
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..frames import Frame
-from ..sources import Images, open_source, read_image
+from ..files.frames import Frame
+from ..files.sources import Images, open_source, read_image
 from .player import Player
 from .source import Delivery
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arkit import NAMES
-from ..frames import Frame
-from ..performance import Pose
+from ..files.frames import Frame
+from ..performing.performance import Pose
 
 Kind = Literal["camera", "video", "pictures", "track", "weights"]
 

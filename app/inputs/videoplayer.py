@@ -11,8 +11,8 @@ import av
 
 from ...models.mediafile import decoded, duration_of, pixel_aspect_of, rate_of
 from ...models.videopicture import upright_rgb
-from ..frames import Frame
-from ..video import open_container, video_stream
+from ..files.frames import Frame
+from ..files.video import open_container, video_stream
 from .source import Kind, SourceLost, TimedFrame
 from .transport import Playhead
 

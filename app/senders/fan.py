@@ -2,7 +2,7 @@
 
 import time
 
-from ..performance import Pose
+from ..performing.performance import Pose
 from .outlet import Image, Marks, Opener, Shown
 from .worker import Report, Worker
 

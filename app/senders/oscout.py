@@ -6,7 +6,7 @@ from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from ..errors import OutputError, UsageError
-from ..performance import Pose
+from ..performing.performance import Pose
 from .outlet import Shown
 
 LOOPBACK = "127.0.0.1"

@@ -7,8 +7,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..origin import Origin
-from ..performance import Pose
+from ..credentials.origin import Origin
+from ..performing.performance import Pose
 
 Image = NDArray[np.uint8]
 

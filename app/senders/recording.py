@@ -5,13 +5,13 @@ from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
 
-from ..badge import badged
+from ..credentials.badge import badged
+from ..credentials.origin import Origin
 from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
 from ..credentials.statement import Driver, Statement
 from ..errors import OutputError, UsageError
-from ..origin import Origin
-from ..sinks import FolderSink, Sink, VideoSink
+from ..files.sinks import FolderSink, Sink, VideoSink
 from .fitting import Size, even, fitted
 from .microphone import Microphone
 from .outlet import Shown

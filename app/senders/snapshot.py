@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 
 from ...models.wholefile import settle
-from ..badge import badged
+from ..credentials.badge import badged
 from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
 from ..credentials.statement import Driver, Statement

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..badge import badged
+from ..credentials.badge import badged
 from ..errors import OutputError
 from .fitting import Size, even, fitted
 from .loopback import INSTALL, MAKE_ONE, Loopback, LoopbackCamera, loopbacks

@@ -76,8 +76,11 @@ assert not heavy, heavy
 NO_TORCH = """
 import sys
 sys.modules["torch"] = None  # importing it now raises
+from gemheads.app import cli, demo, doctor, export, info, live, modes, warm
+from gemheads.app.bench import drawing
 from gemheads.app.desk import command
-from gemheads.app import bench, cli, demo, doctor, export, info, live, modes, reenact, tracking, training, warm
+from gemheads.app.making import training
+from gemheads.app.reenacting import reenact, tracking
 cli.main(["info"])
 """
 

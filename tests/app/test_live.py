@@ -4,13 +4,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from gemheads.app.following import EXPRESSION_FILTER, Actor, Memory, turned_gain
-from gemheads.app.frames import Frame
+from gemheads.app.files.frames import Frame
 from gemheads.app.live import drive, perform
-from gemheads.app.performance import Pose
-from gemheads.app.reports import Tally
-from gemheads.app.state import Phase
-from gemheads.app.timing import Stopwatch
+from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.presence import Phase
+from gemheads.app.performing.timing import Stopwatch
+from gemheads.app.person.following import EXPRESSION_FILTER, Actor, Memory, turned_gain
+from gemheads.app.reenacting.reports import Tally
 from gemheads.models.driver.answer import Answer, Express
 from gemheads.models.driver.detector import overlap
 from gemheads.models.driver.face import Box, FaceObservation

@@ -6,7 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from gemheads.app.badge import badged
+from gemheads.app.credentials.badge import badged
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.modes import LABEL_PX, draw_modes, modes_picture
 from gemheads.models.gem import MODALITIES, Basis

@@ -2,7 +2,7 @@ from fractions import Fraction
 
 import pytest
 from gemheads.app.errors import UsageError
-from gemheads.app.neutrals import NeutralRule, read_rule
+from gemheads.app.person.neutrals import NeutralRule, read_rule
 from gemheads.app.words import read_colour, read_rate, read_size
 
 

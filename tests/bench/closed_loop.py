@@ -20,7 +20,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from gemheads.app.drivers import opened_drivers
+from gemheads.app.evaluation.drivers import opened_drivers
 from gemheads.models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.compare import Likeness, compare

@@ -14,8 +14,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import torch
-from gemheads.app.portrait import portrait
-from gemheads.app.synthetic import synthetic_gem
+from gemheads.app.bench.synthetic import synthetic_gem
+from gemheads.app.performing.portrait import portrait
 from gemheads.models.gem import Viewing
 from gemheads.render.camera import Camera
 from gemheads.render.diff.rasterize import rasterize

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from gemheads.app.files.video import VideoFile
 from gemheads.app.library import DEMO_CLIP, find_avatar
-from gemheads.app.reenact import reenact
-from gemheads.app.video import VideoFile
-from gemheads.app.wish import Wish
+from gemheads.app.reenacting.reenact import reenact
+from gemheads.app.reenacting.wish import Wish
 from numpy.typing import NDArray
 
 SIDE = 224

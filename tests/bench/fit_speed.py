@@ -15,8 +15,8 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
-from gemheads.app.portrait import portrait
-from gemheads.app.synthetic import synthetic_gem
+from gemheads.app.bench.synthetic import synthetic_gem
+from gemheads.app.performing.portrait import portrait
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.posing import pose_head

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from gemheads.app.drivers import opened_drivers
+from gemheads.app.evaluation.drivers import opened_drivers
 from gemheads.models.crossing.channels import SCORE_CHANNELS, correlations, table
 from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.kept import Kept

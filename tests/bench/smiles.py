@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from gemheads.app.drivers import opened_drivers
+from gemheads.app.evaluation.drivers import opened_drivers
 from gemheads.models.crossing.kept import Kept
 from gemheads.models.crossing.mirror import LOOKS, Mirror
 from gemheads.models.driver.features import BLOCKS, score

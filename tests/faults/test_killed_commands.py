@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gemheads.app.performance import Pose
-from gemheads.app.sinks import is_whole
-from gemheads.app.sources import read_image
-from gemheads.app.tracks import Track, save_track
-from gemheads.app.video import VideoFile
+from gemheads.app.files.sinks import is_whole
+from gemheads.app.files.sources import read_image
+from gemheads.app.files.tracks import Track, save_track
+from gemheads.app.files.video import VideoFile
+from gemheads.app.performing.performance import Pose
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 

@@ -89,7 +89,7 @@ def test_a_refinement_is_kept_elsewhere_when_the_disk_has_become_full(
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         save_gem(gem, path)
 
-    monkeypatch.setattr("gemheads.app.refining.save_gem", full)
+    monkeypatch.setattr("gemheads.app.making.refining.save_gem", full)
     avatar = tmp_path / "toy.gem"
     avatar.write_bytes(learned.avatar.read_bytes())
     words = ["refine", str(avatar), str(learned.capture), "--start", str(learned.track), "--iterations", "10"]

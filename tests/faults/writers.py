@@ -10,14 +10,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 from gemheads.app.desk.settings import Settings, load_settings, save_settings
-from gemheads.app.performance import Pose
-from gemheads.app.pictures import write_png
-from gemheads.app.profiles import load_profile, profile_path, save_profile
-from gemheads.app.reports import write_report
-from gemheads.app.restface import Resting
-from gemheads.app.sinks import FolderSink, is_whole
-from gemheads.app.tracks import Track, load_track, save_track
-from gemheads.app.weights import WeightsTrack, load_weights, save_weights
+from gemheads.app.files.pictures import write_png
+from gemheads.app.files.sinks import FolderSink, is_whole
+from gemheads.app.files.tracks import Track, load_track, save_track
+from gemheads.app.files.weights import WeightsTrack, load_weights, save_weights
+from gemheads.app.performing.performance import Pose
+from gemheads.app.person.profiles import load_profile, profile_path, save_profile
+from gemheads.app.person.restface import Resting
+from gemheads.app.reenacting.reports import write_report
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.neutral import NeutralChoice
 from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing

@@ -7,16 +7,16 @@ from pathlib import Path
 from random import Random
 
 import numpy as np
-from gemheads.app.cameras import load_camera
 from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.settings import load_settings, recalled
 from gemheads.app.desk.state import DeskState
 from gemheads.app.errors import InputError
+from gemheads.app.files.sources import open_source
+from gemheads.app.files.tracks import load_track
+from gemheads.app.files.weights import load_weights
 from gemheads.app.inputs.packets import PacketError, read_ifacialmocap, read_vmc
-from gemheads.app.profiles import kept_cameras, load_profile, profile_path
-from gemheads.app.sources import open_source
-from gemheads.app.tracks import load_track
-from gemheads.app.weights import load_weights
+from gemheads.app.making.cameras import load_camera
+from gemheads.app.person.profiles import kept_cameras, load_profile, profile_path
 from gemheads.models import mediafile, picturefile
 from gemheads.models.captures.layout import TEMPLATE, CaptureError, transforms_name
 from gemheads.models.driver.features import DIMENSION

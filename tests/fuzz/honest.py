@@ -10,11 +10,11 @@ import av
 import cv2
 import numpy as np
 from gemheads.app.desk.settings import Settings, save_settings
-from gemheads.app.performance import Pose
-from gemheads.app.profiles import save_profile
-from gemheads.app.restface import Resting
-from gemheads.app.tracks import Track, save_track
-from gemheads.app.weights import WeightsTrack, save_weights
+from gemheads.app.files.tracks import Track, save_track
+from gemheads.app.files.weights import WeightsTrack, save_weights
+from gemheads.app.performing.performance import Pose
+from gemheads.app.person.profiles import save_profile
+from gemheads.app.person.restface import Resting
 from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.neutral import NeutralChoice
 from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT

@@ -10,9 +10,9 @@ import av
 import cv2
 import numpy as np
 import pytest
-from gemheads.app.audio import AudioCopy
 from gemheads.app.errors import InputError
-from gemheads.app.sources import open_source, read_image
+from gemheads.app.files.audio import AudioCopy
+from gemheads.app.files.sources import open_source, read_image
 
 PLAYLIST = "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\n{address}\n#EXT-X-ENDLIST\n"
 CONCAT = "ffconcat version 1.0\nfile {address}\n"

@@ -5,7 +5,7 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from gemheads.app.portrait import portrait
+from gemheads.app.performing.portrait import portrait
 from gemheads.models.gemfile import load_gem
 from gemheads.render.camera import Camera
 from gemheads.render.gaussians import RawGaussians, activate

@@ -1,4 +1,4 @@
-"""docs/results.md is printed of what evaluate really writes; drivers are in tests/app/test_crossing.py."""
+"""docs/results.md is printed of what evaluate really writes; drivers are in tests/app/evaluation/test_strangers.py."""
 
 import json
 import subprocess

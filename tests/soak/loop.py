@@ -9,15 +9,15 @@ from pathlib import Path
 from random import Random
 
 import psutil
-from gemheads.app.bench_source import demo_pictures
-from gemheads.app.capture import Capture
-from gemheads.app.casting import open_avatar
+from gemheads.app.bench.source import demo_pictures
 from gemheads.app.library import find_avatar
 from gemheads.app.live import Stage, draw
-from gemheads.app.portrait import portrait
+from gemheads.app.performing.capture import Capture
+from gemheads.app.performing.casting import open_avatar
+from gemheads.app.performing.portrait import portrait
+from gemheads.app.performing.timing import Stopwatch
 from gemheads.app.senders.fan import Fan
 from gemheads.app.senders.recording import Recording
-from gemheads.app.timing import Stopwatch
 from gemheads.render.engines import FastestEngine
 from gemheads.render.software import SoftwareEngine
 

@@ -8,7 +8,7 @@ from random import Random
 from typing import Any, Literal, get_args
 
 import numpy as np
-from gemheads.app.bench_source import RATE
+from gemheads.app.bench.source import RATE
 from gemheads.app.inputs.source import SourceLost, TimedFrame
 from gemheads.models.driver.face import FaceObservation, FaceTracker
 from gemheads.models.driver.networks import NetworkError

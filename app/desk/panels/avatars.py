@@ -2,7 +2,7 @@
 
 from imgui_bundle import imgui
 
-from ...origin import NO_CONSENT, plain
+from ...credentials.origin import NO_CONSENT, plain
 from .. import theme
 from ..view import DeskView
 from .controls import Ask, at_right, button, columns, dial, faint, heading, hint, rule, switch, text

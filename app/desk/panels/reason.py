@@ -2,7 +2,7 @@
 
 from imgui_bundle import imgui
 
-from ...reasons import EXAMPLE, LONGEST, SHORTEST, is_reason
+from ...credentials.reasons import EXAMPLE, LONGEST, SHORTEST, is_reason
 from ..view import DeskView
 from .controls import Ask, faint, scale, title
 

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.credentials.localkey import local_key
+from gemheads.app.credentials.origin import Origin
 from gemheads.app.credentials.signing import Signer
 from gemheads.app.credentials.statement import Driver, Statement
-from gemheads.app.origin import Origin
-from gemheads.app.sinks import VideoSink
+from gemheads.app.files.sinks import VideoSink
 
 STATEMENT = Statement(
     (Origin("ada", "ab" * 32, "a sculptor", "CC-BY-4.0", "Ada, for this test"),), Driver("video", "cd" * 32)

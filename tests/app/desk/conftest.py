@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gemheads.app.casting import Avatar
 from gemheads.app.desk.driving import Driving
 from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.offscreen import DeskOffscreen
@@ -16,8 +15,9 @@ from gemheads.app.desk.roster import Roster
 from gemheads.app.desk.session import Session
 from gemheads.app.desk.state import DeskState
 from gemheads.app.live import NO_SHIFT
-from gemheads.app.performance import Pose
-from gemheads.app.shots import Health, Shot
+from gemheads.app.performing.casting import Avatar
+from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.shots import Health, Shot
 from gemheads.models.gemfile import save_gem
 from gemheads.render.contexts import NoOpenGLError
 from gemheads.render.software import SoftwareEngine

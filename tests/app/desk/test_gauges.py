@@ -1,7 +1,7 @@
 """What the window's gauges tell the quality ladder."""
 
 from gemheads.app.desk.gauges import Gauges
-from gemheads.app.ladder import Quality
+from gemheads.app.performing.ladder import Quality
 
 
 def after(frame_secs: float, worked_secs: float, frames: int) -> Quality:

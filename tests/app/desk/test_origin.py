@@ -4,9 +4,9 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from gemheads.app.casting import open_avatar
 from gemheads.app.desk.outputs import Outputs
 from gemheads.app.desk.state import DeskState
+from gemheads.app.performing.casting import open_avatar
 from gemheads.models.gemfile import save_gem
 
 from ..conftest import tiny_gem

@@ -9,8 +9,8 @@ import pytest
 from gemheads.app.desk.painter import Painter
 from gemheads.app.desk.state import DeskState
 from gemheads.app.library import find_avatar
-from gemheads.app.performance import Pose
-from gemheads.app.timing import Stopwatch
+from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.timing import Stopwatch
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.render.camera import Camera

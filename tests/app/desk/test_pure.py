@@ -12,7 +12,7 @@ from gemheads.app.desk.roster import Roster
 from gemheads.app.desk.state import DeskState, Exploring
 from gemheads.app.desk.view import DeskView
 from gemheads.app.live import NO_SHIFT
-from gemheads.app.performance import Pose
+from gemheads.app.performing.performance import Pose
 from gemheads.models.gem import Gem
 
 from ..conftest import tiny_gem as head

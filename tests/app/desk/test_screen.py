@@ -12,8 +12,8 @@ from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.state import DeskState, Exploring
 from gemheads.app.desk.view import AvatarFacts, Curve, DeskView, OutputLine, Readings, Rest, Toast
 from gemheads.app.live import NO_SHIFT
-from gemheads.app.performance import Pose
-from gemheads.app.shots import Health, Shot
+from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.shots import Health, Shot
 
 from .conftest import SIZE
 

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gemheads.app.coach import coach
 from gemheads.app.desk.actions import Order
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
 from gemheads.app.live import run_live
-from gemheads.app.restface import RestSession
-from gemheads.app.shots import Health
+from gemheads.app.performing.shots import Health
+from gemheads.app.person.coach import coach
+from gemheads.app.person.restface import RestSession
 from gemheads.render.software import SoftwareEngine
 
 from .conftest import Room

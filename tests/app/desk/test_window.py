@@ -194,7 +194,7 @@ def test_ctrl_with_the_key_of_a_plus_and_keys_that_edit_a_path(running: Running)
 
 GREEN = """
 import numpy as np
-from gemheads.app.bench_screen import XWindowReader
+from gemheads.app.bench.screen import XWindowReader
 from gemheads.app.desk.cleanwindow import CleanWindow
 from gemheads.app.desk.window import DeskWindow
 
@@ -261,7 +261,7 @@ RESIZED = """
 import sys, time
 import glfw
 import numpy as np
-from gemheads.app.bench_screen import XWindowReader
+from gemheads.app.bench.screen import XWindowReader
 from gemheads.app.desk import presenter
 from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import DeskView

@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 from gemheads.app.errors import NoFaceError
-from gemheads.app.frames import Frame
+from gemheads.app.files.frames import Frame
 from gemheads.app.inputs.demotrack import weights_of
 from gemheads.models.arkit import NAMES
 from gemheads.models.driver.face import FaceObservation

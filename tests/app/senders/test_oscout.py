@@ -3,7 +3,7 @@ import socket
 import numpy as np
 import pytest
 from gemheads.app.errors import OutputError, UsageError
-from gemheads.app.performance import Pose
+from gemheads.app.performing.performance import Pose
 from gemheads.app.senders.oscout import CoefficientsOut, pose_bundle
 from gemheads.app.senders.outlet import Shown
 from pythonosc.osc_bundle import OscBundle

@@ -6,9 +6,9 @@ import av
 import cv2
 import numpy as np
 import pytest
-from gemheads.app.badge import badged
+from gemheads.app.credentials.badge import badged
+from gemheads.app.credentials.origin import Origin
 from gemheads.app.credentials.reading import read_credentials
-from gemheads.app.origin import Origin
 from gemheads.app.senders.outlet import Image, Marks, Shown
 from gemheads.app.senders.recording import Recording
 from gemheads.app.senders.snapshot import Snapshot

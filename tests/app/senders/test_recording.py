@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.errors import OutputError, UsageError
+from gemheads.app.files.video import VideoFile
 from gemheads.app.senders.outlet import Image, Shown
 from gemheads.app.senders.recording import Recording, open_recording, recording_name
-from gemheads.app.video import VideoFile
 
 SIZE = (96, 64)
 

@@ -20,10 +20,10 @@ import cv2
 import numpy as np
 import platformdirs
 from chromium import Chromium, program_of
-from gemheads.app.casting import open_avatar
 from gemheads.app.errors import CommandError
 from gemheads.app.library import find_avatar
-from gemheads.app.portrait import portrait
+from gemheads.app.performing.casting import open_avatar
+from gemheads.app.performing.portrait import portrait
 from gemheads.app.words import NAMED, read_size
 from gemheads.models.gem import Gem
 from gemheads.models.ply import load_ply, save_ply

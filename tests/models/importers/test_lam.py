@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gemheads.app.portrait import portrait
+from gemheads.app.performing.portrait import portrait
 from gemheads.models.heads.expressions import weights_of
 from gemheads.models.heads.performance import perform
 from gemheads.models.importers.adopt import adopt

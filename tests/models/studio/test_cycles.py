@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gemheads.app.capturing import ORDER
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
+from gemheads.app.making.capturing import ORDER
 from gemheads.models.heads.expressions import weights_of
 from gemheads.models.studio.blender import BlenderError, blender, interruptible, quiet
 from gemheads.models.studio.cycles import CyclesPainter

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gemheads.app.portrait import portrait
-from gemheads.app.synthetic import synthetic_gem
+from gemheads.app.bench.synthetic import synthetic_gem
+from gemheads.app.performing.portrait import portrait
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.posing import pose_head

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gemheads.app.synthetic import synthetic_gem
+from gemheads.app.bench.synthetic import synthetic_gem
 from gemheads.models.posing import pose_head
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")

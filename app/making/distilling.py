@@ -1,0 +1,87 @@
+"""``gemheads distill``: a capture, a run, or somebody else's avatar becomes an avatar of our own."""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ...models.captures.layout import CaptureError
+from ...models.gem import MODALITIES, Gem
+from ...models.gemfile import GemFormatError, save_gem
+from ...models.importers.adopt import TooLargeError, adopt
+from ...models.importers.foreign import ForeignFormatError
+from ...models.wholefile import file_sha256
+from ..errors import ExitCode, InputError, OutputError, UsageError
+from ..files.places import check_avatar_name, check_places
+from ..performing.performance import Pose
+from ..progress import ProgressBar
+from .distillable import Opened, Wanted, open_source
+from .moments import save_moments
+
+ORIGIN = ("author", "licence", "consent")
+"""What only the person at the keyboard knows, and the file keeps."""
+
+
+def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
+    """Read, distil, save, and say what came of it. Raises CommandError."""
+    check_avatar_name(out)
+    about = {key: wanted.about[key] for key in ORIGIN if wanted.about.get(key, "").strip()}
+    with ProgressBar() as bar:
+        for key in ORIGIN[1:]:
+            if key not in about:
+                bar.say(f"{out}: will say '{key}: not stated'; give --{key} TEXT ({_WHY[key]})")
+        try:
+            opened = open_source(place, wanted, bar.reach)
+            source = opened.source
+            about["source"] = f"{source.kind} {Path(place).name}, {source.count} frames"
+            check_places(out, wanted.moments, read=[Path(place), wanted.meshes])
+            gem, distilled = adopt(source, wanted.name or out.stem, wanted.components, about, bar.reach)
+        except TooLargeError as error:
+            raise UsageError(f"{place}: {error}") from error
+        except (ForeignFormatError, CaptureError) as error:
+            raise InputError(str(error)) from error
+        except ValueError as error:
+            raise InputError(f"{place}: {error}; leave that frame out") from error
+        except OSError as error:  # frames wait on the disk
+            where = tempfile.gettempdir()
+            raise OutputError(
+                f"{where}: no room for the frames ({error.strerror}); free some space, or set TMPDIR to a larger place"
+            ) from error
+        for note in source.notes:
+            bar.say(f"{place}: {note}")
+    try:
+        save_gem(gem, out)
+    except GemFormatError as error:
+        raise InputError(f"{place}: gives no sound avatar: {error.what}; {error.cure}") from error
+    except OSError as error:
+        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+    if wanted.moments is not None:
+        _save_moments(gem, out, opened, wanted.moments)
+    for modality in MODALITIES:
+        print(f"{modality:9}{_kept(distilled.variance_kept[modality], wanted.components)}")
+    print(f"{out}: {len(gem)} splats from {distilled.frames} frames, {out.stat().st_size / 1e6:.2f} MB")
+    return ExitCode.OK
+
+
+def _save_moments(gem: Gem, avatar: Path, opened: Opened, out: Path) -> None:
+    """What the avatar does at each moment of its capture, as a track."""
+    assert opened.capture is not None
+    moments = {}
+    for timestep, frame in zip(opened.source.moments, opened.source.frames(), strict=True):
+        tracked = opened.capture.tracked(timestep)
+        moments[timestep] = Pose(gem.project(frame), tracked.rotation, translation=tracked.translation)
+    save_moments(gem.name, file_sha256(avatar), moments, out)
+
+
+def _kept(shares: np.ndarray, components: int) -> str:
+    if not len(shares):
+        return "does not move"
+    some = sorted({min(len(shares), 10), min(len(shares), 20), len(shares)})
+    fewer = "" if len(shares) >= components else " (there is no more motion in it)"
+    return ", ".join(f"{count} components keep {shares[count - 1]:.3%}" for count in some) + fewer
+
+
+_WHY = {
+    "licence": "under which terms may it be passed on?",
+    "consent": "whose likeness is it, and what did they agree to?",
+}

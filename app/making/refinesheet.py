@@ -1,0 +1,45 @@
+"""What refinement did, to look at: held-out pictures, the avatar before and after, and where it still differs."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.captures.layout import Shot
+from ...models.captures.reader import Capture
+from ...models.gem import Gem
+from ...models.posing import pose_head
+from ...render.compositing import over
+from ...render.software import SoftwareEngine
+
+if TYPE_CHECKING:
+    from ...models.train.fit import Start
+
+ROWS = 4
+Side = tuple[Gem, "Mapping[int, Start]"]
+
+
+def refine_sheet(capture: Capture, before: Side, after: Side) -> NDArray[np.uint8]:
+    """[H, W, 3] a row for each of ROWS pictures: truth, before, after, and where after differs (white from 0.1 on)."""
+    from ...models.train.deck import spaced
+    from ...models.train.fit import error_map
+
+    shots = [shot for shot in capture.val or capture.train if shot.timestep in after[1]]
+    rows = []
+    for shot in spaced(shots, ROWS):
+        rgba = capture.read(shot)
+        share = rgba[..., 3:] / 255
+        truth = np.round(rgba[..., :3] * share + 255 * np.array(capture.background) * (1 - share)).astype(np.uint8)
+        first, second = (_drawn(capture, side, shot) for side in (before, after))
+        rows.append(np.concatenate([truth, first, second, error_map((second / 255).astype(np.float32), truth)], 1))
+    width = max(row.shape[1] for row in rows)
+    return np.concatenate([np.pad(row, ((0, 0), (0, width - row.shape[1]), (0, 0))) for row in rows])
+
+
+def _drawn(capture: Capture, side: Side, shot: Shot) -> NDArray[np.uint8]:
+    gem, moments = side
+    moment = moments[shot.timestep]
+    raw = gem.compose(moment.coefficients)
+    raw = pose_head(raw, gem.neck_weights, gem.neck_pivot, moment.pose.turn, moment.pose.move)
+    return over(SoftwareEngine().draw(raw, shot.camera), capture.background).copy()

@@ -1,0 +1,303 @@
+"""What is delivered becomes shots: one driver, one avatar, and the memory between two moments."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.driver.answer import Answer, Express
+from ...models.driver.face import FaceObservation
+from ...models.driver.neutral import NeutralChoice
+from ...models.driver.regressor import Regressor
+from ...models.driver.smoothing import Smoothed
+from ..errors import InputError
+from ..files.frames import Frame
+from ..inputs.source import PoseFrame, WeightsFrame
+from ..live import NO_SHIFT, act
+from ..person.following import (
+    Actor,
+    Memory,
+    Tracker,
+    count_faces,
+    follow,
+    look,
+    take_on,
+)
+from ..person.hints import HARD_TO_READ, Hints, Sign, signs_of, update_hints
+from ..person.seeing import lock_next, observe, sketch_of
+from ..person.settling import Settling, settle
+from .casting import Avatar, expression_of
+from .performance import Pose
+from .presence import Phase, update
+from .shots import Observed, Shot
+from .tuning import Tuning, actor_for
+
+_TICK = Fraction(1, 1_000_000)
+LONGEST_DT = 1.0
+"""Seconds; a longer gap, or one that goes back, is a jump in the source: then the clock says how much time went by."""
+FOR_GOOD = 60.0
+"""Seconds after which everything that eases has arrived."""
+
+
+class Acting:
+    """For one thread. Its own time goes on with the source's while that is steady, else with the clock."""
+
+    def __init__(self, avatar: Avatar, tracker: Tracker, clock: Callable[[], float] = time.perf_counter) -> None:
+        """Raises InputError when nothing drives this avatar."""
+        self._tracker, self._clock = tracker, clock
+        self._avatar = avatar
+        self._known: dict[str, Express] = {}
+        self._tuning = Tuning()
+        self._memory = Memory(seconds=0.0)
+        self._serial = 0
+        self._wall = clock()
+        self._source_secs: float | None = None
+        self._shape: tuple[int, ...] = ()
+        self._face: FaceObservation | None = None
+        self._weights: WeightsFrame | None = None
+        self._posed: PoseFrame | None = None
+        """The last moment of a track, whichever avatar it is for."""
+        self._relock = False
+        self._passed_by = 0
+        self.settling = Settling()
+        """The neutral."""
+        self.hints = Hints()
+        self.phase = Phase.SEARCHING
+        """SEARCHING until this source has shown a face."""
+        self._actor = self._dressed(avatar)
+
+    @property
+    def attention(self) -> Phase:
+        """What the avatar is doing."""
+        return self._memory.attention.phase
+
+    @property
+    def unusable(self) -> int:
+        """Expressions with a value that is not finite; the last good one stayed."""
+        failures = sum(express.failures for express in self._known.values() if isinstance(express, Regressor))
+        return self._memory.unusable + failures
+
+    def begin(self) -> None:
+        """Another source: nothing of the one before counts but the expression, from which the avatar eases."""
+        self._tracker.reset()
+        self._memory = replace(self._memory, box=None, thumbnail=None, faces=0)
+        self.settling, self.hints, self.phase = Settling(), Hints(), Phase.SEARCHING
+        self._source_secs = self._face = self._weights = self._posed = None
+        self._relock = False
+
+    def resume(self) -> None:
+        """The same source after it was gone: its time may begin anew, and the scene may have changed."""
+        self._memory = replace(self._memory, thumbnail=None)
+        self._source_secs = None
+
+    def cast(self, avatar: Avatar) -> None:
+        """Another avatar goes on. Raises InputError, and keeps the one before, when nothing drives this one."""
+        self._actor, self._avatar = self._dressed(avatar), avatar
+        self._memory = replace(self._memory, expression=None, clamped=0.0)
+
+    def tune(self, tuning: Tuning) -> None:
+        """Other positions of the sliders."""
+        self._tuning = tuning
+        self._actor = self._dressed(self._avatar)
+
+    def rest(self, neutral: NeutralChoice | None) -> None:
+        """The neutral that counts from now on; None: look for it anew."""
+        self.settling = replace(self.settling, given=neutral) if neutral else Settling(now=self.settling.now)
+
+    def relock(self) -> None:
+        """Follow the next face to the right, from the next picture on."""
+        self._relock = True
+
+    def frame(self, frame: Frame, delivered: float, live: bool, exact: bool, rate: float | None) -> Shot | None:
+        """A picture; None when it is passed by to save work.
+
+        Args:
+            frame: a sound picture.
+            delivered: when the source delivered it.
+            live: from a camera, which knows no cuts.
+            exact: a single frame somebody looks at: shown as it is, without the past in it.
+            rate: pictures a second where few of them are the camera's fault, else None.
+        """
+        self._passed_by += 1
+        if not exact and self._passed_by < self._tuning.detector_every:
+            return None
+        self._passed_by = 0
+        started = self._clock()
+        dt = self._elapsed(frame.seconds, started)
+        before = self._prepared(frame.rgb, live, exact)
+        timed = Frame(frame.rgb, round(((before.seconds or 0.0) + dt) / _TICK), _TICK)
+        memory, seen = look(self._tracker, before, timed)
+        tracked = self._clock()
+        observed = None
+        if seen.face is not None:
+            self.phase = Phase.TRACKING
+            if exact:
+                memory = replace(memory, attention=replace(memory.attention, follow=1.0))
+            memory = count_faces(self._tracker, memory, timed)
+            observed = observe(seen.face, frame.rgb, memory.faces)
+            if observed.is_finite:
+                self._face, self._weights = seen.face, None
+                self.settling = settle(self.settling, seen.face, timed.seconds, dt, self._tuning.neutral_strength)
+                memory = follow(self._with_neutral(), memory, seen.face, 0.0 if exact else dt)
+            else:
+                memory, observed = replace(memory, unusable=memory.unusable + 1), None
+        self._pass(frame.seconds, started)
+        self._memory, pose = act(self._actor, memory, seen.face is not None, seen.cut)
+        self._look_for_hints(observed, dt, rate)
+        stages = {"read": started - delivered, "track": tracked - started, "express": self._clock() - tracked}
+        return self._shot(pose, delivered, frame.seconds, sketch_of(seen.face), observed, stages)
+
+    def weights(self, given: WeightsFrame, exact: bool) -> Shot:
+        """A moment in ARKit weights; on an avatar without an ARKit map only the head moves."""
+        started = self._clock()
+        dt = self._elapsed(given.seconds, started)
+        self._face, self._weights, self.phase = None, given, Phase.TRACKING
+        self._advance(dt, seen=True)
+        self._pass(given.seconds, started)
+        before = replace(self._memory, expression=None, turn=None) if exact else self._memory
+        self._memory = replace(take_on(self._actor, before, self._of_weights(given), dt), faces=1)
+        self._memory, pose = act(self._actor, self._memory, seen=True)
+        self.hints = Hints()
+        return self._shot(pose, started, given.seconds, stages={"express": self._clock() - started})
+
+    def pose(self, given: PoseFrame) -> Shot | None:
+        """A moment of a track, exactly; None when it was made for another avatar."""
+        self._posed = given
+        if given.avatar_sha256 != self._avatar.sha256:
+            return None
+        started = self._clock()
+        dt = self._elapsed(given.seconds, started)
+        self._face, self._weights, self.phase = None, None, Phase.TRACKING
+        self._advance(dt, seen=True)
+        self._pass(given.seconds, started)
+        return self._exactly(given, started)
+
+    def _exactly(self, given: PoseFrame, started: float) -> Shot:
+        gem, pose = self._avatar.gem, given.pose
+        sigmas = (pose.coefficients - gem.rest_coefficients) / gem.sigma
+        still = np.zeros(3), np.zeros_like(sigmas)
+        self._memory = replace(
+            self._memory,
+            expression=Smoothed(sigmas, still[1]),
+            turn=Smoothed(pose.turn, still[0]),
+            shown_turn=pose.turn,
+            translation=pose.translation,
+            clamped=pose.clamped,
+        )
+        if not self._tuning.head_pose:
+            pose = replace(pose, turn=NO_SHIFT, translation=NO_SHIFT)
+        return self._shot(pose, started, given.seconds, stages={"express": self._clock() - started})
+
+    def tick(self) -> Shot:
+        """A moment in which nothing was delivered: hold, ease to rest, idle."""
+        started = self._clock()
+        dt = self._elapsed(None, started)
+        self._advance(dt, seen=False)
+        self._pass(None, started)
+        self._memory, pose = act(self._actor, self._memory, seen=False)
+        self._look_for_hints(None, dt, None)
+        return self._shot(pose, started, self._memory.seconds or 0.0)
+
+    def again(self, exact: bool) -> Shot:
+        """The last moment once more, after the avatar or the sliders changed: nobody waits for the next picture."""
+        started, memory = self._clock(), self._memory
+        followed, now = memory.attention.phase is Phase.TRACKING, memory.seconds or 0.0
+        if self._posed is not None and self._posed.avatar_sha256 == self._avatar.sha256:
+            return self._exactly(self._posed, started)
+        if self._face is not None:
+            gone_over = FOR_GOOD if exact else 0.0
+            self.settling = settle(self.settling, self._face, now, gone_over, self._tuning.neutral_strength)
+            fresh = replace(memory, expression=None, turn=None)
+            memory = replace(follow(self._with_neutral(), fresh, self._face, 0.0), box=memory.box)
+        elif self._weights is not None:
+            fresh = replace(memory, expression=None, turn=None)
+            memory = take_on(self._actor, fresh, self._of_weights(self._weights), 0.0)
+        self._memory, pose = act(self._actor, memory, followed)
+        return self._shot(pose, started, now, stages={"express": self._clock() - started})
+
+    def _dressed(self, avatar: Avatar) -> Actor:
+        """The actor for an avatar under the present tuning. Raises InputError when nothing drives it."""
+        express = self._known.get(avatar.sha256)
+        if express is None:
+            try:
+                express = expression_of(avatar, "learned")
+            except InputError:
+                express = expression_of(avatar, "baseline")
+            self._known[avatar.sha256] = express
+        return actor_for(avatar, self._tracker, express, self._tuning, bool(HARD_TO_READ & set(self.hints.shown)))
+
+    def _with_neutral(self) -> Actor:
+        assert self.settling.now is not None
+        return replace(self._actor, neutral=self.settling.now)
+
+    def _of_weights(self, given: WeightsFrame) -> Answer:
+        gem = self._avatar.gem
+        rigged = gem.arkit_weights is not None
+        coefficients = gem.clamped(gem.arkit_coefficients(given.weights)) if rigged else gem.rest_coefficients
+        return Answer(coefficients, given.turn)
+
+    def _elapsed(self, source_secs: float | None, now: float) -> float:
+        """Seconds since the last moment, by the source where it is steady, else by the clock, which says ``now``."""
+        before = self._source_secs
+        if before is not None and source_secs is not None and 0 < source_secs - before <= LONGEST_DT:
+            return source_secs - before
+        return max(0.0, now - self._wall)
+
+    def _pass(self, source_secs: float | None, now: float) -> None:
+        """This moment is over; one that failed never was."""
+        self._source_secs, self._wall = source_secs, now
+
+    def _advance(self, dt: float, seen: bool) -> None:
+        """Time goes by without a picture."""
+        memory = self._memory
+        attention = update(memory.attention, seen, dt)
+        seconds = float(round(((memory.seconds or 0.0) + dt) / _TICK) * _TICK)
+        self._memory = replace(memory, attention=attention, seconds=seconds)
+
+    def _prepared(self, rgb: NDArray[np.uint8], live: bool, exact: bool) -> Memory:
+        """The memory as it counts for this picture: other sizes, single frames and another face to follow."""
+        memory = self._memory
+        if live:
+            memory = replace(memory, thumbnail=None)
+        if exact:
+            memory = replace(memory, expression=None, turn=None)
+        if rgb.shape != self._shape:
+            if self._shape:
+                self._tracker.reset()
+            self._shape, memory = rgb.shape, replace(memory, box=None, thumbnail=None)
+        if self._relock:
+            self._relock = False
+            other = lock_next(self._tracker, rgb, memory.box)
+            if other:
+                memory = replace(memory, box=None)
+                if self.settling.given is None:
+                    self.settling = Settling(now=self.settling.now)  # another person rests in another way
+        return memory
+
+    def _look_for_hints(self, observed: Observed | None, dt: float, rate: float | None) -> None:
+        signs: set[Sign] = set()
+        if observed is not None and self._memory.turn is not None:
+            signs = signs_of(observed, self._memory.turn.value)
+            if not self.settling.settled:
+                signs.add("settling")
+        if rate is not None:
+            signs.add("slow")
+        before, self.hints = self.hints, update_hints(self.hints, signs, dt)
+        if HARD_TO_READ & set(before.shown) != HARD_TO_READ & set(self.hints.shown):
+            self._actor = self._dressed(self._avatar)
+
+    def _shot(
+        self,
+        pose: Pose,
+        delivered: float,
+        source_secs: float,
+        sketch: NDArray[np.float32] | None = None,
+        observed: Observed | None = None,
+        stages: dict[str, float] | None = None,
+    ) -> Shot:
+        self._serial += 1
+        ready, avatar = self._clock(), self._avatar.sha256
+        return Shot(self._serial, pose, avatar, delivered, ready, source_secs, sketch, observed, stages or {})

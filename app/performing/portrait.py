@@ -1,0 +1,25 @@
+"""Framing: head and shoulders, seen by a camera that stands where a photographer would."""
+
+from math import radians, tan
+
+from ...models.gem import Viewing
+from ...render.camera import Camera, orbit
+
+HEAD_SHARE = 0.64
+"""The head's part of the picture's height."""
+HEAD_MIDDLE = 0.45
+"""Where the middle of the head lies, from the top, as a part of the height: room for the shoulders below."""
+FIELD_OF_VIEW_DEG = 18.0
+"""Vertical: a long lens, which leaves noses their size."""
+NARROWEST = 0.8
+"""Pictures narrower than this part of their height show a smaller head instead of cutting its sides off."""
+
+
+def portrait(viewing: Viewing, width: int, height: int, yaw_deg: float = 0.0, pitch_deg: float = 0.0) -> Camera:
+    """The camera of a head-and-shoulders portrait, ``width`` x ``height`` pixels."""
+    share = HEAD_SHARE * min(1.0, width / height / NARROWEST)
+    picture_height = viewing.head_height / share
+    distance = picture_height / 2 / tan(radians(FIELD_OF_VIEW_DEG) / 2)
+    x, y, z = viewing.target
+    target = (x, y - (0.5 - HEAD_MIDDLE) * picture_height, z)
+    return orbit(target, distance, yaw_deg, pitch_deg, FIELD_OF_VIEW_DEG, width, height)

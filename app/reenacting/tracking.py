@@ -1,0 +1,63 @@
+"""A driver into a coefficient track: everything of reenactment but the drawing."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from ...models.driver.face import FaceTracker
+from ..errors import ExitCode, NoFaceError
+from ..files.outputs import keep_inputs
+from ..files.places import check_places
+from ..files.sources import files_of, open_source
+from ..files.tracks import Track, save_track
+from ..live import perform
+from ..performing.casting import Driving, expression_of, open_avatar
+from ..performing.performance import Pose
+from ..performing.threads import ahead
+from ..performing.timing import Stopwatch
+from ..person.following import Actor
+from ..person.neutrals import NeutralRule, find_neutral, said
+from ..progress import ProgressBar
+from .reports import Tally
+
+
+def run_tracking(
+    driver: str, out: Path, avatar: Path, rule: NeutralRule, driving: Driving, rate: Fraction = Fraction(30)
+) -> ExitCode:
+    """Follow the face of ``driver`` and save what the avatar would do. Raises CommandError.
+
+    Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
+    """
+    source = open_source(driver, rate)
+    keep_inputs([out, rule.sheet], [*files_of(driver), rule.picture, avatar])
+    cast = open_avatar(avatar)
+    check_places(out)
+    tracker = FaceTracker()
+    express = expression_of(cast, driving)
+    neutral = find_neutral(rule, source, tracker)
+    actor = Actor(tracker, neutral, express, cast.gem, cast.lids)
+    poses: list[Pose] = []
+    times: list[int] = []
+    tally, code = Tally(), ExitCode.OK
+    with ProgressBar() as bar:
+        bar.say(f"neutral: {said(neutral, rule)}")
+        bar.begin(out.name, source.frame_count)
+        try:
+            for _, pose, pts in perform(actor, ahead(source.frames()), Stopwatch()):
+                poses.append(pose)
+                times.append(pts)
+                tally.add(pose)
+                bar.advance()
+        except KeyboardInterrupt:
+            code = ExitCode.INTERRUPTED
+        if not tally.frames:
+            bar.say(f"{out}: stopped before the first frame; nothing was written")
+            return code
+        if tally.without_face == tally.frames:
+            raise NoFaceError(f"{driver}: no face in any frame, so there is nothing to keep; check the clip")
+        pts_array = np.array(times, np.int64)
+        track = Track(cast.gem.name, cast.sha256, source.time_base, source.rate, pts_array, tuple(poses))
+        save_track(track, out)
+        bar.say(f"{out}: {tally.frames} frames, {tally.without_face} of them without a face")
+    return code

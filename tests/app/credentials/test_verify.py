@@ -1,0 +1,104 @@
+"""What ``gemheads verify`` says, and its exit codes."""
+
+from pathlib import Path
+
+import pytest
+from gemheads.app.cli import main
+from gemheads.app.credentials.origin import Origin
+from gemheads.app.credentials.papers import Papers, driver_of
+from gemheads.app.credentials.signing import Signer
+from gemheads.app.credentials.statement import Driver, Statement
+
+from .conftest import write_file
+
+
+@pytest.fixture
+def signed(tmp_path: Path) -> Path:
+    """A picture that this computer signed."""
+    pytest.importorskip("c2pa", reason="the extra gemheads[credentials] is not installed")
+    path = write_file(tmp_path / "a.png")
+    origin = Origin("ada\x1b[2J", "ab" * 32, licence="CC0-1.0")
+    Signer().sign(path, Statement((origin,), Driver("live"), no_badge="a test without one"))
+    return path
+
+
+def told(capsys: pytest.CaptureFixture[str], path: Path) -> tuple[int, dict[str, str]]:
+    code = main(["verify", str(path)])
+    return code, {line[:12].strip(): line[13:] for line in capsys.readouterr().out.splitlines()}
+
+
+def test_an_intact_file_says_whose_face_it_is(signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, said = told(capsys, signed)
+    assert code == 0
+    assert said["State"].startswith("intact")
+    assert said["Signed by"].startswith("the key of this computer (self-signed")
+    assert said["Avatar"] == "ada [2J"  # nothing that steers a terminal
+    assert said["Licence"] == "CC0-1.0"
+    assert said["Consent"] == "not recorded"
+    assert said["Driver"] == "live"
+    assert said["Badge"] == "left out: a test without one"
+
+
+def test_a_changed_file_says_so(signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content = bytearray(signed.read_bytes())
+    content[-300] ^= 1
+    signed.write_bytes(content)
+    code, said = told(capsys, signed)
+    assert code == 6
+    assert said["State"].startswith("ALTERED")
+    assert "mismatch" in said["Because"]
+
+
+def test_an_unsigned_file_says_so(tmp_path: Path, signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, said = told(capsys, write_file(tmp_path / "b.jpg"))
+    assert code == 7
+    assert said["State"].startswith("no credentials")
+    assert "Avatar" not in said
+
+
+def test_another_computer_is_not_taken_for_this_one(
+    tmp_path: Path, signed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from gemheads.app.credentials.localkey import local_key
+
+    Signer(local_key(tmp_path / "other.pem")).sign(
+        other := write_file(tmp_path / "o.png"), Statement((), Driver("live"))
+    )
+    assert told(capsys, other)[1]["Signed by"].startswith("gemheads on another computer (self-signed")
+
+
+@pytest.mark.parametrize("name", ["none.png", "text.txt", "empty.png"])
+def test_what_is_no_picture_is_one_plain_error(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("c2pa", reason="the extra gemheads[credentials] is not installed")
+    if name != "none.png":
+        (tmp_path / name).write_text("hello" if name == "text.txt" else "")
+    assert main(["verify", str(tmp_path / name)]) == 3
+    assert capsys.readouterr().err.startswith("error: ")
+
+
+def test_without_the_extra_it_says_what_to_install(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "c2pa", None)
+    assert main(["verify", str(write_file(tmp_path / "a.png"))]) == 5
+    assert "gemheads[credentials]" in capsys.readouterr().err
+
+
+def test_papers_never_stop_a_result(tmp_path: Path, signed: Path) -> None:
+    video = write_file(tmp_path / "a.webm")
+    papers = Papers(Signer(), Statement((), Driver("live")))
+    assert "cannot carry" in papers.sign(video)
+    assert papers.signed_png(b"no picture") == b"no picture"
+    assert Papers(None, Statement((), Driver("live"))).sign(video) == ""
+
+
+def test_a_driver_is_told_by_the_hash_of_its_bytes_and_by_name_only_when_asked(tmp_path: Path) -> None:
+    file = tmp_path / "secret name.mp4"
+    file.write_bytes(b"abc")
+    sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert driver_of(str(file), None) == Driver("video", sha256)
+    assert driver_of(str(file), None, named=True) == Driver("video", sha256, "secret name.mp4")
+    assert driver_of(None, file) == Driver("track", sha256)
+    assert driver_of(str(tmp_path), None) == Driver("pictures")
+    picture = file.rename(tmp_path / "face.PNG")
+    assert driver_of(str(picture), None) == Driver("pictures", sha256)

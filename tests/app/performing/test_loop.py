@@ -1,0 +1,297 @@
+"""What a face does, and what the loop makes of it: held, at rest, locked, turned, at another avatar."""
+
+import numpy as np
+import pytest
+from gemheads.app.errors import InputError
+from gemheads.app.inputs.source import PoseFrame, WeightsFrame
+from gemheads.app.performing.loop import Loop
+from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.presence import Phase
+from gemheads.app.performing.tuning import Tuning
+from gemheads.app.person.hints import SENTENCES
+from gemheads.models.driver.neutral import neutral_of
+
+from ..scripted import GEM, Source, World, avatar, followed, jaw, opened, picture
+from ..test_live import face
+
+
+@pytest.fixture
+def world() -> World:
+    return followed()
+
+
+def test_a_face_that_is_away_for_a_moment_is_held(world: World) -> None:
+    last = opened(world)[-1]
+    world.person.face = None
+    shots = world.play(0.36)
+    assert world.phase == "hold"
+    assert all(shot.pose.phase is Phase.HOLD for shot in shots)
+    assert jaw(shots) == pytest.approx([jaw([last])[0]] * len(shots))
+    assert world.loop.health.message == ""
+
+
+def test_a_face_that_is_away_longer_lets_the_avatar_rest_and_return_softly(world: World) -> None:
+    opened(world)
+    world.person.face = None
+    shots = world.play(1.4)
+    assert world.phase == "idle"
+    assert world.loop.health.message == "Looking for you."
+    assert jaw(shots)[-1] == pytest.approx(0, abs=0.02)
+    assert np.abs(np.diff(jaw(shots))).max() < 0.1
+    back = opened(world, 0.6)
+    assert jaw(back)[0] < 0.2
+    assert jaw(back)[10] == pytest.approx(0.575, abs=0.06)
+    assert world.phase == "tracking"
+
+
+def test_an_avatar_nobody_drives_breathes_and_blinks() -> None:
+    world = World()
+    world.loop.use(None, "")
+    shots = world.silence(6.0)
+    assert world.phase == "no source"
+    assert len(shots) == pytest.approx(180, abs=15)
+    assert np.ptp([shot.pose.turn[0] for shot in shots]) > 0.005
+    assert np.ptp([shot.pose.coefficients for shot in shots], axis=0).max() > 1e-3
+
+
+# two faces
+
+
+def test_the_followed_face_stays_followed_and_the_other_gets_a_badge_and_a_key(world: World) -> None:
+    left, top, right, bottom = face().box_px
+    beside = (left + 300, top, right + 300, bottom)
+    world.person.others = [beside]
+    shots = world.play(2.0)
+    assert shots[-1].pose.faces == 2
+    assert world.loop.health.hints == (SENTENCES["two faces"],)
+    assert world.person.locked == []
+    world.loop.acting.relock()
+    world.play(0.1)
+    assert world.person.locked == [beside]
+    assert not world.loop.health.settled  # another person rests in another way
+
+
+def test_without_another_face_the_lock_stays(world: World) -> None:
+    world.loop.acting.relock()
+    world.play(0.1)
+    assert world.person.locked == []
+    assert world.loop.health.settled
+
+
+# turned, dark, backlit, blurred, far, slow
+
+
+def test_between_the_frames_of_a_slow_video_the_avatar_does_what_the_last_one_did() -> None:
+    world = World(Source(kind="video"))
+    world.play(3.0)
+    opened(world)
+    for _ in range(4):
+        assert world.silence(0.8) == []
+        assert jaw(world.play(1 / 30))[0] > 0.4
+        assert world.phase == "tracking"
+
+
+def test_a_frame_that_somebody_steps_to_is_shown_as_it_is(world: World) -> None:
+    world.person.face = None
+    world.play(2.0)
+    acting = world.loop.acting
+    world.person.face = face(jaw=0.5)
+    there = acting.frame(world.frame(), world.clock.now, live=False, exact=True, rate=None)
+    assert there is not None
+    assert jaw([there])[0] > 0.4
+
+
+def test_stepping_where_nobody_is_leaves_the_avatar_idle() -> None:
+    world = World()
+    world.person.face = None
+    world.loop.acting.frame(world.frame(), world.clock.now, live=False, exact=True, rate=None)
+    assert np.ptp([shot.pose.turn for shot in world.play(4.0)], 0).max() > 1e-3  # it breathes
+
+
+def test_a_camera_that_takes_its_time_is_no_empty_chair(world: World) -> None:
+    opened(world)
+    for _ in range(4):
+        world.silence(0.5)
+        world.play(1 / 30)
+    assert world.silence(0.6) == []
+    assert world.phase == "tracking"
+    assert world.silence(2.0)[-1].pose.phase is Phase.IDLE
+
+
+def test_how_far_the_avatars_head_turns_changes_neither_face_nor_hints(world: World) -> None:
+    jaws = {}
+    for gain in (1.0, 2.0, 0.0):
+        world.loop.acting.tune(Tuning(gains={"head": gain}))
+        world.person.face = face(jaw=0.5, turn=(0.0, np.radians(25), 0.0))
+        shots = world.play(2.5)
+        jaws[gain] = jaw(shots)[-1]
+        assert shots[-1].pose.turn[1] == pytest.approx(gain * np.radians(25), abs=0.02)
+        assert SENTENCES["turned"] not in world.loop.health.hints
+    assert jaws[2.0] == pytest.approx(jaws[1.0], abs=0.01) == jaws[0.0]
+    world.person.face = face(jaw=0.5, turn=(0.0, np.radians(50), 0.0))
+    world.play(2.5)
+    assert SENTENCES["turned"] in world.loop.health.hints
+
+
+def test_a_face_turned_too_far_fades_and_is_told(world: World) -> None:
+    before = jaw(opened(world))[-1]
+    world.person.face = face(jaw=0.5, turn=(0, np.radians(45), 0))
+    shots = world.play(2.0)
+    assert jaw(shots)[-1] == pytest.approx(before / 2, rel=0.1)
+    assert SENTENCES["turned"] in world.loop.health.hints
+
+
+@pytest.mark.parametrize(
+    ("sign", "change"),
+    [
+        ("dark", {"luma": 20}),
+        ("backlit", {"backlit": True}),
+        ("blurred", {"sharpness": 1e-5}),
+        ("far", {"high": 60}),
+    ],
+)
+def test_what_makes_a_face_hard_to_read_is_told_and_smoothed(world: World, sign: str, change: dict) -> None:
+    from dataclasses import replace
+
+    seen = face(at=(20, 10))
+    landmarks = np.array(seen.landmarks_px)
+    landmarks[1, 1] = landmarks[0, 1]
+    landmarks[2, 1] += change.get("high", 120)
+    seen = replace(seen, landmarks_px=landmarks, sharpness=change.get("sharpness", 0.01))
+    world.person.face = seen
+    cutoff = world.loop.acting._actor.expression_filter.min_cutoff_hz
+
+    def make() -> object:
+        rgb = picture(world.count, (640, 480), change.get("luma", 130))
+        if change.get("backlit"):
+            rgb[:] = 230
+            rgb[10:130, 20:100] = 60
+            rgb[301, ::7, 0] = world.count
+        return world.frame(rgb)
+
+    world.play(0.3, make)
+    assert SENTENCES[sign] not in world.loop.health.hints  # not at the first sign of it
+    world.play(1.2, make)
+    assert world.loop.health.hints == (SENTENCES[sign],)
+    assert world.loop.acting._actor.expression_filter.min_cutoff_hz < cutoff
+    world.person.face = face()
+    world.play(2.0)
+    assert world.loop.health.hints == ()
+    assert world.loop.acting._actor.expression_filter.min_cutoff_hz == cutoff
+
+
+def test_the_neutral_is_not_silently_the_first_frame() -> None:
+    """Somebody comes in talking: the mouth that is open at first must not count as closed for ever."""
+    world = World()
+    world.person.face = face(jaw=0.6)
+    first = world.play(0.3)
+    assert SENTENCES["settling"] not in world.loop.health.hints
+    world.person.face = face()
+    then = world.play(2.5)
+    assert world.loop.health.settled
+    assert world.loop.health.neutral
+    later = opened(world)
+    assert jaw(later)[-1] == pytest.approx(0.575, abs=0.06)
+    assert np.abs(np.diff(jaw([*first, *then]))).max() < 0.25  # nothing jerks while it settles
+
+
+def test_a_neutral_that_was_taken_replaces_the_automatic_one(world: World) -> None:
+    shots = opened(world)
+    assert jaw(shots)[-1] == pytest.approx(0.575, abs=0.05)
+    world.loop.acting.rest(neutral_of(face(jaw=0.5), 0, 0.0, "taken"))
+    shots = world.play(1.5)
+    assert jaw(shots)[-1] == pytest.approx(0, abs=0.03)
+    assert np.abs(np.diff(jaw(shots))).max() < 0.15
+    assert world.loop.health.neutral == "taken"
+    world.loop.acting.tune(Tuning(neutral_strength=0.0))
+    assert jaw(world.play(1.5))[-1] == pytest.approx(0.575, abs=0.05)
+    world.loop.acting.rest(None)
+    world.play(0.1)
+    assert not world.loop.health.settled
+
+
+# switching
+
+
+def test_another_avatar_goes_on_with_the_same_expression_at_once(world: World) -> None:
+    opened(world)
+    other = avatar(1)
+    world.loop.cast(other)
+    world.turn()
+    shot = world.shots[-1]
+    assert shot.avatar == other.sha256
+    assert other.gem.arkit_weights is not None
+    weights = np.linalg.lstsq(other.gem.arkit_weights.T.astype(float), shot.pose.coefficients, rcond=None)[0]
+    assert shot.pose.coefficients @ shot.pose.coefficients > 0
+    assert np.isfinite(weights).all()
+
+
+def test_an_avatar_that_nothing_drives_is_refused_and_the_one_before_stays(world: World) -> None:
+    world.loop.cast(avatar(2, arkit=False))
+    assert world.play(0.1)[-1].avatar == "sha of 0"
+
+
+def test_serials_rise_and_a_sketch_holds_no_picture(world: World) -> None:
+    assert np.diff([shot.serial for shot in world.shots]).tolist() == [1] * (len(world.shots) - 1)
+    shot = world.shots[-1]
+    assert shot.sketch is not None
+    assert shot.sketch.shape == (478, 2)
+    assert shot.observed is not None
+    assert shot.observed.picture_size == (640, 480)
+    assert set(shot.stages) == {"read", "track", "express"}
+
+
+# tracks and face data
+
+
+def test_a_track_is_played_exactly_and_only_by_its_avatar() -> None:
+    world = World(Source("track"))
+    k = (GEM.rest_coefficients + GEM.sigma).astype(np.float32)
+    pose = Pose(k, np.float32([0, 0.1, 0]), translation=np.float32([0.01, 0, 0]))
+    shots = world.play(0.5, lambda: PoseFrame(pose, "sha of 0", world.clock.now))
+    assert shots[-1].pose.coefficients.tolist() == k.tolist()
+    assert shots[-1].pose.translation.tolist() == pose.translation.tolist()
+    assert world.phase == "tracking"
+    shots = world.play(1.0, lambda: PoseFrame(pose, "another", world.clock.now))
+    assert np.abs(shots[-1].pose.translation).max() < 1e-6
+    assert "another avatar" in world.loop.health.message
+    assert shots[-1].pose.phase is Phase.IDLE
+
+
+def test_an_avatar_that_comes_back_does_what_its_track_says_at_once() -> None:
+    world = World(Source("track"))
+    k = (GEM.rest_coefficients + GEM.sigma).astype(np.float32)
+    given = PoseFrame(Pose(k, np.float32([0, 0.1, 0])), "sha of 0", world.clock.now)
+    world.play(0.2, lambda: given)
+    for seed, coefficients in ((1, None), (0, k)):
+        world.loop.cast(avatar(seed))
+        shot = world.loop.shots.take()
+        assert shot is not None
+        assert shot.avatar == f"sha of {seed}"
+        assert coefficients is None or shot.pose.coefficients.tolist() == coefficients.tolist()
+
+
+def test_weights_move_any_avatar_and_silence_is_told() -> None:
+    from gemheads.models import arkit
+
+    world = World(Source("weights", name="osc on 127.0.0.1:39539"))
+    world.silence(2.0)
+    assert world.phase == "searching"
+    assert "Nothing comes in" in world.loop.health.message
+    weights = np.zeros(52, np.float32)
+    weights[arkit.NAMES.index("jawOpen")] = 0.8
+    turn = np.float32([0, 0.2, 0])
+    shots = world.play(1.5, lambda: WeightsFrame(weights, turn, world.clock.now))
+    assert jaw(shots)[-1] == pytest.approx(0.8, abs=0.03)
+    assert shots[-1].pose.turn == pytest.approx([0, 0.2, 0], abs=0.01)
+    broken = np.full(52, np.nan, np.float32)
+    world.play(0.1, lambda: WeightsFrame(broken, turn, world.clock.now))
+    assert world.loop.health.rejected == 3
+    world.silence(2.0)
+    assert world.phase == "stalled"
+    assert world.shots[-1].pose.phase is Phase.IDLE
+
+
+def test_a_loop_needs_an_avatar_that_can_be_driven() -> None:
+    with pytest.raises(InputError, match="ARKit"):
+        Loop(avatar(arkit=False), lambda: World().person)

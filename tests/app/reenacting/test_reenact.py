@@ -1,0 +1,325 @@
+"""The whole way, on a second of the clip that ships: video in, video out."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+import pytest
+from gemheads.app.cli import main
+from gemheads.app.errors import ExitCode
+from gemheads.app.files.sources import Source, open_source
+from gemheads.app.files.tracks import Track, save_track
+from gemheads.app.library import DEMO_CLIP
+from gemheads.app.performing.performance import Pose
+from gemheads.models.gemfile import load_gem, save_gem
+from gemheads.models.wholefile import file_sha256
+
+from ..clips import SIZE, VARIABLE, cut_clip, pictures, play, times
+from ..conftest import make_sound_unknown
+
+pytestmark = pytest.mark.skipif(not DEMO_CLIP.is_file(), reason=f"the demo clip is missing: {DEMO_CLIP}")
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Path:
+    return cut_clip(tmp_path / "talk.mp4", VARIABLE)
+
+
+def write_track(path: Path, tiny: Path, frames: int) -> Path:
+    """A track of the avatar at rest with the times of ``clip``, whose head turns and moves more and more."""
+    gem = load_gem(tiny)
+    poses = tuple(
+        Pose(gem.rest_coefficients, np.float32([0, 0.3 * i, 0]), translation=np.float32([0.02 * i, 0, 0]))
+        for i in range(frames)
+    )
+    pts = np.cumsum([2002, *[1001, 1500, 500, 1001] * 25])[:frames]
+    save_track(Track("tiny", file_sha256(tiny), Fraction(1, 30000), Fraction(30), pts, poses), path)
+    return path
+
+
+def sound(path: Path) -> list[bytes]:
+    with av.open(str(path)) as container:
+        return [bytes(packet) for packet in container.demux(audio=0) if packet.size]
+
+
+def test_times_are_exact_sound_is_copied_and_the_report_tells(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    out, report = tmp_path / "out.mp4", tmp_path / "report.json"
+    assert play(tiny, clip, "-o", out, "--report", report) == 0
+    assert times(out) == times(clip) == [Fraction(t, 30000) for t in VARIABLE]
+    assert sound(out) == sound(clip)
+    told = json.loads(report.read_text())
+    run = told["runs"][0]
+    assert (run["status"], run["frames"], run["losses"]) == ("done", len(VARIABLE), 0)
+    assert run["neutral"]["why"]
+    assert {"neutral", "track", "compose", "draw", "over"} <= set(run["stages_ms"])
+    assert told["settings"]["engine"]["used"] == "software"
+    assert told["versions"]["gemheads"]
+
+
+def test_the_same_clip_gives_the_same_pictures(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    for name in ("a.mp4", "b.mp4"):
+        assert play(tiny, clip, "-o", tmp_path / name) == 0
+    assert np.array_equal(pictures(tmp_path / "a.mp4"), pictures(tmp_path / "b.mp4"))
+
+
+def test_the_driver_stands_beside_the_avatar_when_asked(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--side-by-side", "--background", "white") == 0
+    pair, driver = pictures(tmp_path / "out.mp4"), pictures(clip)
+    assert pair.shape[2] > 64
+    left = cv2.resize(driver[3], (pair.shape[2] - 64, 64), interpolation=cv2.INTER_AREA)
+    assert np.abs(pair[3, :, :-64].astype(int) - left).mean() < 6
+    assert pair[3, :6, -58:].mean() > 245  # white above the avatar
+
+
+def test_a_lost_face_is_counted(tiny: Path, tmp_path: Path) -> None:
+    clip = cut_clip(tmp_path / "gap.mp4", tuple(range(0, 30000, 1000)), hidden=range(8, 24))
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--report", tmp_path / "r.json") == 0
+    run = json.loads((tmp_path / "r.json").read_text())["runs"][0]
+    assert (run["frames"], run["losses"], run["frames_without_face"]) == (30, 1, 16)
+
+
+def test_a_driver_is_not_written_over_by_the_result_of_another(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    (tmp_path / "x").mkdir()
+    other = clip.rename(tmp_path / "x" / clip.name)
+    clip.write_bytes(other.read_bytes())
+    assert play(tiny, other, clip, "-o", tmp_path) == ExitCode.USAGE
+    assert clip.read_bytes() == other.read_bytes()
+    assert main(["track", str(clip), "-o", str(clip), "--avatar", str(tiny)]) == ExitCode.USAGE
+    assert clip.read_bytes() == other.read_bytes()
+
+
+def test_tracking_that_is_stopped_before_the_first_frame_says_so(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gemheads.app.reenacting.tracking.perform", stopped)
+    track = tmp_path / "t.safetensors"
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == ExitCode.INTERRUPTED
+    assert not track.exists()
+    assert "stopped before the first frame; nothing was written" in capsys.readouterr().err
+
+
+def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    track, out, again, beside = (tmp_path / name for name in ("t.safetensors", "a.mp4", "b.mp4", "c.mp4"))
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == 0
+    assert play(tiny, clip, "-o", out) == 0
+    assert play(tiny, "--track", track, "-o", again) == 0
+    assert times(again) == times(out)
+    assert np.array_equal(pictures(again), pictures(out))
+    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side") == 0
+    assert sound(beside) == sound(clip)
+    assert main(["export", str(tiny), "-o", str(tmp_path / "ply"), "--track", str(track)]) == 0
+    assert len(list((tmp_path / "ply").glob("frame_*.ply"))) == len(VARIABLE)
+
+
+def test_a_track_keeps_the_head_still_where_that_is_asked_for(tiny: Path, tmp_path: Path) -> None:
+    track = write_track(tmp_path / "t.safetensors", tiny, 3)
+    for name, words in (("turned.mp4", ()), ("still.mp4", ("--no-head-pose",))):
+        assert play(tiny, "--track", track, "-o", tmp_path / name, *words) == 0
+    turned, still = pictures(tmp_path / "turned.mp4"), pictures(tmp_path / "still.mp4")
+    assert np.abs(turned[0].astype(int) - turned[2]).max() > 20
+    assert np.abs(still[0].astype(int) - still[2]).max() < 5
+
+
+@pytest.mark.parametrize(("frames", "said"), [(3, "goes on after the 3 frames"), (99, "ends before the 99 frames")])
+def test_a_track_of_another_length_than_the_driver_is_told(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], frames: int, said: str
+) -> None:
+    track = write_track(tmp_path / "t.safetensors", tiny, frames)
+    assert play(tiny, clip, "--track", track, "-o", tmp_path / "out.mp4") == ExitCode.INPUT
+    assert f"talk.mp4: {said} of the track" in capsys.readouterr().err
+    assert not (tmp_path / "out.mp4").exists()
+
+
+def test_what_nobody_foresaw_in_one_driver_does_not_stop_the_others(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def odd(path: str, rate: Fraction) -> Source:
+        if "talk" in path:
+            raise AttributeError("no name")
+        return open_source(path, rate)
+
+    monkeypatch.setattr("gemheads.app.reenacting.onedriver.open_source", odd)
+    other = tmp_path / "other.mp4"
+    other.write_bytes(clip.read_bytes())
+    words = (clip, other, "-o", tmp_path / "all", "--report", tmp_path / "r.json")
+    assert play(tiny, *words) == ExitCode.UNEXPECTED
+    assert "talk.mp4: unexpected AttributeError: no name" in capsys.readouterr().err
+    assert [run["status"] for run in json.loads((tmp_path / "r.json").read_text())["runs"]] == ["failed", "done"]
+    with pytest.raises(AttributeError):
+        play(tiny, *words, "--resume", "--debug")
+
+
+def test_sound_that_cannot_be_read_is_told_and_left_out(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make_sound_unknown(clip)
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4") == 0
+    assert "talk.mp4: its sound is of a kind that cannot be read here" in capsys.readouterr().err
+    assert times(tmp_path / "out.mp4") == times(clip)
+
+
+def test_neutral_by_picture_by_frame_and_by_time(tiny: Path, clip: Path, tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "rest.png"), pictures(clip)[0][..., ::-1])
+    for rule, code in (
+        ("first", 0),
+        ("frame=3", 0),
+        ("time=0.2", 0),
+        (f"image={tmp_path / 'rest.png'}", 0),
+        ("frame=9999", ExitCode.INPUT),
+        (f"image={tmp_path / 'none.png'}", ExitCode.INPUT),
+    ):
+        assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral", rule) == code, rule
+
+
+def test_what_shows_nobody_is_no_result(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The neutral is known, so that only the end tells; it does so each time, and leaves what was there before."""
+    cv2.imwrite(str(tmp_path / "rest.png"), pictures(clip)[0][..., ::-1])
+    empty, out = cut_clip(tmp_path / "empty.mp4", VARIABLE, range(len(VARIABLE))), tmp_path / "out.mp4"
+    out.write_bytes(b"of before")
+    words = (empty, "-o", out, "--neutral", f"image={tmp_path / 'rest.png'}")
+    assert play(tiny, *words) == ExitCode.NO_FACE
+    assert f"no face in any frame; {tmp_path / 'out.partial.mp4'} shows the avatar at rest" in capsys.readouterr().err
+    assert out.read_bytes() == b"of before"
+    out.unlink()
+    assert play(tiny, *words, "--resume") == ExitCode.NO_FACE
+    assert not out.exists()
+
+
+def test_a_contact_sheet_only_where_asked_for(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4") == 0
+    assert "--neutral-sheet FILE.png shows the best" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*.png"))
+    sheet = tmp_path / "new" / "sheet.png"
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", sheet) == 0
+    assert str(sheet) in capsys.readouterr().err
+    assert min(cv2.imread(str(sheet)).shape[:2]) > 250
+    other = tmp_path / "other.mp4"
+    other.write_bytes(clip.read_bytes())
+    assert play(tiny, clip, other, "-o", tmp_path / "all", "--neutral-sheet", tmp_path / "sheets") == 0
+    assert sorted(file.name for file in (tmp_path / "sheets").iterdir()) == ["other.png", "talk.png"]
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", tmp_path / "sheets") == ExitCode.OUTPUT
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--neutral-sheet", tmp_path / "a.jpg") == ExitCode.USAGE
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal")
+def test_ctrl_c_leaves_a_video_that_plays(tiny: Path, tmp_path: Path) -> None:
+    clip = cut_clip(tmp_path / "long.mp4", tuple(range(0, 90000, 1000)))
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    shots = pictures(clip)
+    for copy in range(20):  # long enough to be interrupted on any machine
+        for i, shot in enumerate(shots):
+            cv2.imwrite(str(folder / f"{copy * len(shots) + i}.jpg"), cv2.resize(shot, (320, 320)))
+    out = tmp_path / "out.mp4"
+    words = ["reenact", str(folder), "-o", str(out), "--avatar", str(tiny), "--driver", "baseline", *SIZE]
+    program = subprocess.Popen(
+        [sys.executable, "-m", "gemheads.app.cli", *words], stderr=subprocess.PIPE, text=True, env={**os.environ}
+    )
+    partial = tmp_path / "out.partial.mp4"
+    deadline = time.monotonic() + 60
+    while not (partial.exists() and partial.stat().st_size > 2000):
+        assert program.poll() is None, program.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    program.send_signal(signal.SIGINT)
+    _, said = program.communicate(timeout=60)
+    assert program.returncode == ExitCode.INTERRUPTED, said
+    assert "what is there can be played" in said
+    assert not out.exists()
+    assert 5 < len(times(partial)) < 20 * len(shots)
+
+
+def test_a_result_is_badged_and_signed_and_says_whose_face_it_is(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("c2pa", reason="the extra gemheads[credentials] is not installed")
+    badged, bare, report = tmp_path / "badged.mp4", tmp_path / "bare.mp4", tmp_path / "report.json"
+    assert play(tiny, clip, "-o", badged) == 0
+    assert "tiny: licence CC0; consent: synthetic" in capsys.readouterr().err
+    why = "drawn for this test alone"
+    assert play(tiny, clip, "-o", bare, "--no-badge", why, "--name-driver", "--report", report) == 0
+    told = json.loads(report.read_text())
+    assert told["settings"]["badge"] == why
+    assert told["settings"]["avatar"]["consent"] == "synthetic"
+    assert told["runs"][0]["credentials"] == "signed"
+    differs = np.abs(pictures(badged).astype(int) - pictures(bare)).max(-1) > 60
+    rows, columns = np.nonzero(differs.any(0))
+    assert rows.min() > 40  # of 64, and compression smears a little
+    assert len(np.unique(columns)) > 30
+    assert differs.any((1, 2)).all()
+    capsys.readouterr()
+    assert main(["verify", str(bare)]) == 0
+    said = capsys.readouterr().out
+    assert f"left out: {why}" in said
+    assert "video, talk.mp4, sha256 " in said
+    assert main(["verify", str(badged)]) == 0
+    said = capsys.readouterr().out
+    assert "talk" not in said
+    assert "Badge        drawn" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("",), ExitCode.USAGE, "an empty word follows"),
+        (("talk.mp4", "--report", "out.mp4"), ExitCode.USAGE, "two results would have this name"),
+        (("talk.mp4", "--neutral-sheet", "out.mp4"), ExitCode.USAGE, "two results would have this name"),
+        (("talk.mp4", "--report", "folder"), ExitCode.OUTPUT, "folder: is a folder; name a file"),
+    ],
+)
+def test_what_cannot_be_is_told_before_anything_is_drawn(
+    words: tuple[str, ...],
+    code: ExitCode,
+    said: str,
+    tiny: Path,
+    clip: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(clip.parent)
+    Path("folder").mkdir()
+    assert play(tiny, *words, "-o", "out.mp4") == code
+    assert said in capsys.readouterr().err
+    assert not Path("out.mp4").exists()
+
+
+def test_an_avatar_without_consent_says_so_each_time(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nobody = tmp_path / "nobody.gem"
+    save_gem(replace(load_gem(tiny), about={}), nobody)
+    for name in ("a.mp4", "b.mp4"):
+        assert play(nobody, clip, "-o", tmp_path / name) == 0
+        assert "tiny: licence not stated; no consent recorded" in capsys.readouterr().err
+
+
+def test_a_full_disk_that_is_not_the_results_is_said_plainly(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(path: str, rate: Fraction) -> Source:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("gemheads.app.reenacting.onedriver.open_source", full)
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4") == ExitCode.OUTPUT
+    said = capsys.readouterr().err
+    assert "talk.mp4: a disk is full: make room" in said
+    assert "unexpected" not in said
