@@ -1,1 +1,1 @@
-"""Whose face a result shows: the badge in its corner, and content credentials (C2PA), signed offline with a key of this computer."""
+"""Whose face a result shows: its badge, and content credentials (C2PA), signed offline with this computer's key."""

@@ -1,1 +1,1 @@
-"""The report of ``gemheads evaluate``: figures as plain values, pictures, and one page that needs nothing else."""
+"""``gemheads evaluate``: who is judged, on which pictures, driven by whom, and how steady that is."""

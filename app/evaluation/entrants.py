@@ -12,11 +12,11 @@ from ..errors import InputError, UsageError
 from ..library import find_avatar
 from ..making.opencapture import is_run
 from ..performing.casting import open_avatar
-from .summary import Column
+from .report.summary import Column
 
 if TYPE_CHECKING:
-    from ...models.train.contestants import Contestant
-    from ...models.train.runs import Run
+    from ...models.train.avatars.runs import Run
+    from ...models.train.judging.contestants import Contestant
 
 FITTED = "fitted in other cameras' pictures"
 """How a GEM comes to its expressions on a capture (models.train.contestants)."""
@@ -31,7 +31,7 @@ class Entrant:
 
     def opened(self, capture: Capture) -> "Contestant":
         """Ready to act. Raises InputError."""
-        from ...models.train.contestants import GemContestant, RunContestant
+        from ...models.train.judging.contestants import GemContestant, RunContestant
 
         if is_run(self.path):
             return RunContestant(_opened_run(self.path, capture))
@@ -64,7 +64,7 @@ def _column(path: Path, taken: set[str], capture: Capture | None) -> Column:
     if is_run(path):
         if capture is None:
             raise InputError(f"{path}: a run is judged on a capture; for drivers alone make a .gem of it (distill)")
-        from ...models.train.runs import CHECKPOINT
+        from ...models.train.avatars.runs import CHECKPOINT
 
         run = _opened_run(path, capture)
         file = path / CHECKPOINT
@@ -97,7 +97,7 @@ def _name(path: Path, taken: set[str]) -> str:
 
 
 def _opened_run(path: Path, capture: Capture) -> "Run":
-    from ...models.train.runs import RunError, open_run
+    from ...models.train.avatars.runs import RunError, open_run
 
     try:
         return open_run(path, capture.folder)

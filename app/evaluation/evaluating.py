@@ -21,10 +21,10 @@ from ..reenacting.reports import versions
 from .drivers import opened_drivers
 from .entrants import Entrant, entrants
 from .judging import Judged, Lpips, held_out_shots, judge_on, seated
-from .page import page
+from .report.page import page
+from .report.summary import VERSION, about_capture, columns_json
 from .sizing import Sizes, check_sizes, judge_sizes
 from .strangers import Crossing, CrossingWish, check_crossing, cross
-from .summary import VERSION, about_capture, columns_json
 
 MOST_SHOTS = 1_000_000
 JUDGED = "judged"
@@ -102,7 +102,7 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
     if capture is None:
         return  # drivers are judged without torch
     try:
-        import_module("...models.train.evaluate", __package__)
+        import_module("...models.train.judging.evaluate", __package__)
     except ImportError as error:
         raise InputError(f"evaluating needs {error.name}; install it: pip install 'gemheads[train]'") from error
 

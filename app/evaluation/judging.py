@@ -20,14 +20,14 @@ from ..errors import InputError, brief
 from ..jobs import affordable_jobs
 from ..progress import ProgressBar
 from .entrants import Entrant
-from .pictures import Gallery, choose
-from .summary import notes_of, split_table
+from .report.pictures import Gallery, choose
+from .report.summary import notes_of, split_table
 
 if TYPE_CHECKING:
-    from ...models.train.contestants import Contestant
-    from ...models.train.crew import Crew, Opens
-    from ...models.train.judge import Judge
-    from ...models.train.ledger import Record, ShotKeys
+    from ...models.train.judging.contestants import Contestant
+    from ...models.train.judging.crew import Crew, Opens
+    from ...models.train.judging.judge import Judge
+    from ...models.train.judging.ledger import Record, ShotKeys
 
 Shots = Mapping[str, Sequence[Shot]]
 Records = dict[str, dict[str, list["Record"]]]
@@ -91,8 +91,8 @@ class Jury:
 
         Raises InputError, CaptureError where the capture changed meanwhile, OSError where nothing can be kept.
         """
-        from ...models.train.evaluate import Alone, fill
-        from ...models.train.ledger import Ledger
+        from ...models.train.judging.evaluate import Alone, fill
+        from ...models.train.judging.ledger import Ledger
         from ...models.train.workers import WorkerLost
 
         shots = {split: judged for split, judged in self.shots.items() if split in splits}
@@ -123,9 +123,9 @@ def seated(
         kept: folder.
         bar: is told of every picture.
     """
-    from ...models.train.crew import Crew
-    from ...models.train.judge import Judge
-    from ...models.train.ledger import ShotKeys
+    from ...models.train.judging.crew import Crew
+    from ...models.train.judging.judge import Judge
+    from ...models.train.judging.ledger import ShotKeys
 
     judge, without = _judge(lpips)
     keys = ShotKeys(footage, _conditions(judge))
@@ -166,7 +166,7 @@ def judge_on(jury: Jury, columns: Sequence[Entrant]) -> Judged:
 
 def _judge(network: Lpips) -> tuple["Judge", str | None]:
     """The metrics, and why LPIPS is not among them."""
-    from ...models.train.judge import Judge
+    from ...models.train.judging.judge import Judge
     from ...models.train.perceptual import WeightsMissing
 
     if network == "none":
@@ -201,7 +201,7 @@ def show(
     records: Sequence["Record"],
 ) -> None:
     """Draws them again as an avatar did them, from what was found of it."""
-    from ...models.train.fit import error_map
+    from ...models.train.synthesis.fit import error_map
 
     stage = Stage(footage)
     for place in sorted(gallery.choice.all):

@@ -23,12 +23,12 @@ from ..making.opencapture import is_run
 from ..performing.casting import open_avatar
 from .entrants import Entrant
 from .judging import Jury, gallery_of, show
-from .pictures import Gallery
-from .sizes import Pace, Variant, sizes_json, sizes_said
+from .report.pictures import Gallery
+from .report.sizes import Pace, Variant, sizes_json, sizes_said
 
 if TYPE_CHECKING:
-    from ...models.train.contestants import Contestant
-    from ...models.train.ledger import Record
+    from ...models.train.judging.contestants import Contestant
+    from ...models.train.judging.ledger import Record
 
 ROUNDS = 15
 """Frames in a median ..."""
@@ -121,7 +121,7 @@ def _candidates(entrant: Entrant, counts: Sequence[int], footage: Capture, notes
 
 
 def _fewer(path: Path, components: int, capture: Capture) -> "Contestant":
-    from ...models.train.contestants import GemContestant
+    from ...models.train.judging.contestants import GemContestant
 
     return GemContestant(open_avatar(path).gem.truncated(components), capture)
 
@@ -150,7 +150,7 @@ def _expressions(gem: Gem, capture: Capture) -> Frame:
 
 def _run(entrant: Entrant, footage: Capture) -> _Candidate:
     """A run: what it learned, and its answer to what was tracked."""
-    from ...models.train.runs import open_run
+    from ...models.train.avatars.runs import open_run
 
     column = entrant.column
     run = open_run(entrant.path, footage.folder)

@@ -11,9 +11,9 @@ from ..errors import ExitCode, InputError, OutputError, UsageError
 from ..progress import ProgressBar
 
 if TYPE_CHECKING:
+    from ...models.train.avatars.plan import Model, Plan
+    from ...models.train.avatars.train_avatar import Outcome
     from ...models.train.perceptual import Perceptual
-    from ...models.train.plan import Model, Plan
-    from ...models.train.train_avatar import Outcome
 
 MAPS = (64, 128, 256, 512)
 LEAST_STEPS, MOST_STEPS = 1, 10_000_000
@@ -36,8 +36,8 @@ class TrainWish:
 def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
     """Train, or go on; then say how good it is. Raises CommandError; stopped with Ctrl-C it can go on later."""
     try:
-        from ...models.train.runs import RunError
-        from ...models.train.train_avatar import train_avatar
+        from ...models.train.avatars.runs import RunError
+        from ...models.train.avatars.train_avatar import train_avatar
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     plan = _planned(wish)
@@ -54,7 +54,7 @@ def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
 
 
 def _planned(wish: TrainWish) -> "Plan":
-    from ...models.train.plan import PRESETS
+    from ...models.train.avatars.plan import PRESETS
 
     if wish.preset not in PRESETS:
         raise UsageError(f"--preset {wish.preset}: choose from {', '.join(PRESETS)}")
@@ -69,8 +69,8 @@ def _perceptual(plan: "Plan") -> "Perceptual | None":
     """The network of the VGG term, fetched once. Raises InputError where it cannot be had."""
     if not plan.perceptual:
         return None
+    from ...models.train.avatars.runs import default_device
     from ...models.train.perceptual import Perceptual, WeightsMissing
-    from ...models.train.runs import default_device
 
     try:
         return Perceptual("vgg", default_device())

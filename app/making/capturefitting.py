@@ -18,7 +18,7 @@ from .moments import save_moments
 from .opencapture import chosen, opened
 
 if TYPE_CHECKING:
-    from ...models.train.fitcapture import FittedMoment
+    from ...models.train.synthesis.fitcapture import FittedMoment
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
     try:
-        from ...models.train.fit import THOROUGH, limit_share
-        from ...models.train.fitcapture import ALONE, fit_moments
+        from ...models.train.synthesis.fit import THOROUGH, limit_share
+        from ...models.train.synthesis.fitcapture import ALONE, fit_moments
     except ImportError as error:
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     cast, footage = open_avatar(avatar), opened(capture)
@@ -81,7 +81,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
 
 def _sheet(moment: "FittedMoment") -> NDArray[np.uint8]:
     """A row for each view: picture, fit, and where they differ; views may differ in size."""
-    from ...models.train.fit import error_map
+    from ...models.train.synthesis.fit import error_map
 
     rows = []
     for picture, fitted in zip(moment.pictures, moment.fit.pictures, strict=True):

@@ -86,8 +86,8 @@ def _bare_mesh(path: Path, wanted: Wanted, progress: Progress) -> Opened:
 
 def _run(path: Path) -> Opened:
     try:
-        from ...models.train.run_source import run_source
-        from ...models.train.runs import RunError, open_run
+        from ...models.train.avatars.run_source import run_source
+        from ...models.train.avatars.runs import RunError, open_run
     except ImportError as error:
         raise InputError(f"a training run needs {error.name}; install it: pip install 'gemheads[train]'") from error
     try:

@@ -27,7 +27,7 @@ from .cameras import load_camera
 from .firstguess import Guesser
 
 if TYPE_CHECKING:
-    from ...models.train.fit import Effort, Fit
+    from ...models.train.synthesis.fit import Effort, Fit
 
 Colour = tuple[float, float, float]
 PORTRAIT = "portrait"
@@ -68,7 +68,7 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
     try:
-        from ...models.train import fit as _  # noqa: F401 (only whether it can be had)
+        from ...models.train.synthesis import fit as _  # noqa: F401 (only whether it can be had)
     except ImportError as error:
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     source = open_source(picture, wish.rate)
@@ -109,7 +109,7 @@ class _Fitter:
     """Frames into fits, each beginning at the one before."""
 
     def __init__(self, cast: Avatar, source: Source, wish: FitWish) -> None:
-        from ...models.train.fit import FIRST, THOROUGH
+        from ...models.train.synthesis.fit import FIRST, THOROUGH
 
         self._gem, self._avatar, self._source = cast.gem, cast.path, source
         self._effort: Effort = THOROUGH if wish.thorough else FIRST
@@ -126,7 +126,7 @@ class _Fitter:
 
     def fitted(self) -> Iterator[Fitted]:
         """Every frame in order."""
-        from ...models.train.fit import NEXT
+        from ...models.train.synthesis.fit import NEXT
 
         before: Fit | None = None
         for frame in self._source.frames():
@@ -139,7 +139,7 @@ class _Fitter:
             yield self._kept(frame, rgb, found)
 
     def _fit(self, rgb: NDArray[np.uint8], before: "Fit | None", effort: "Effort") -> "Fit":
-        from ...models.train.fit import HeadPose, Start, fit
+        from ...models.train.synthesis.fit import HeadPose, Start, fit
 
         start = None if before is None else before.start
         if start is None and (guess := self._guesser.guess(rgb)) is not None:
@@ -150,7 +150,7 @@ class _Fitter:
             raise InputError(f"{self._avatar}: cannot be fitted: {error}") from error
 
     def _kept(self, frame: Frame, rgb: NDArray[np.uint8], found: "Fit") -> Fitted:
-        from ...models.train.fit import error_map, limit_share
+        from ...models.train.synthesis.fit import error_map, limit_share
 
         if found.psnr < self._least:
             self._least = found.psnr

@@ -18,8 +18,8 @@ from .training import LEAST_PICTURES, check_learning, processes
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
-    from ...models.train.capture_regressor import CaptureRegressor
-    from ...models.train.selfreenact import SelfReenactment
+    from ...models.train.regressors.capture_regressor import CaptureRegressor
+    from ...models.train.regressors.selfreenact import SelfReenactment
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
     Raises CommandError.
     """
     try:
-        from ...models.train.capture_regressor import RegressorEffort, capture_regressor
-        from ...models.train.footage import read_footage
-        from ...models.train.response import AvatarNotSeen
-        from ...models.train.selfreenact import self_reenactment
-        from ...models.train.train_regressor import pictures_of
+        from ...models.train.regressors.capture_regressor import RegressorEffort, capture_regressor
+        from ...models.train.regressors.footage import read_footage
+        from ...models.train.regressors.response import AvatarNotSeen
+        from ...models.train.regressors.selfreenact import self_reenactment
+        from ...models.train.regressors.train_regressor import pictures_of
         from ...models.train.workers import WorkerLost, Workers
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error

@@ -14,7 +14,7 @@ from ...render.compositing import over
 from ...render.software import SoftwareEngine
 
 if TYPE_CHECKING:
-    from ...models.train.fit import Start
+    from ...models.train.synthesis.fit import Start
 
 ROWS = 4
 Side = tuple[Gem, "Mapping[int, Start]"]
@@ -23,7 +23,7 @@ Side = tuple[Gem, "Mapping[int, Start]"]
 def refine_sheet(capture: Capture, before: Side, after: Side) -> NDArray[np.uint8]:
     """[H, W, 3] a row for each of ROWS pictures: truth, before, after, and where after differs (white from 0.1 on)."""
     from ...models.train.deck import spaced
-    from ...models.train.fit import error_map
+    from ...models.train.synthesis.fit import error_map
 
     shots = [shot for shot in capture.val or capture.train if shot.timestep in after[1]]
     rows = []

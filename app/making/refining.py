@@ -23,9 +23,9 @@ from .opencapture import opened
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
-    from ...models.train.fit import Start
     from ...models.train.perceptual import Perceptual
-    from ...models.train.refine import Refinement
+    from ...models.train.synthesis.fit import Start
+    from ...models.train.synthesis.refine import Refinement
 
 LEAST, MOST = 10, 10_000_000
 
@@ -52,9 +52,9 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
     Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED. Killed, the same goes on where it was.
     """
     try:
-        from ...models.train.refine import RefineEffort, refine
-        from ...models.train.train_avatar import default_device
-        from ...models.train.unfinished import Unfinished
+        from ...models.train.avatars.train_avatar import default_device
+        from ...models.train.synthesis.refine import RefineEffort, refine
+        from ...models.train.synthesis.unfinished import Unfinished
     except ImportError as error:
         raise InputError(f"refining needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if not LEAST <= wish.iterations <= MOST:
@@ -90,8 +90,8 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
 
 
 def _perceptual() -> "Perceptual":
+    from ...models.train.avatars.train_avatar import default_device
     from ...models.train.perceptual import Perceptual, WeightsMissing
-    from ...models.train.train_avatar import default_device
 
     try:
         return Perceptual("vgg", default_device())

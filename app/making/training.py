@@ -37,7 +37,7 @@ class TrainingWish:
 def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode:
     """Train an avatar file's regressor, or how its head turns, and save the avatar with it. Raises CommandError."""
     try:
-        from ...models.train.response import AvatarNotSeen
+        from ...models.train.regressors.response import AvatarNotSeen
         from ...models.train.workers import WorkerLost
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
@@ -60,7 +60,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
 
 def _regressor(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
     """The avatar with a regressor, and what is said of it."""
-    from ...models.train.train_regressor import train_regressor
+    from ...models.train.regressors.train_regressor import train_regressor
 
     with ProgressBar() as bar:
         gem, report = train_regressor(
@@ -82,7 +82,7 @@ def _regressor(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
 
 def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
     """The avatar with what it learned of its turns, and what is said of that."""
-    from ...models.train.train_turns import train_turns
+    from ...models.train.regressors.train_turns import train_turns
 
     with ProgressBar() as bar:
         gem, turns = train_turns(
@@ -124,7 +124,7 @@ def processes(jobs: int | None) -> int:
 def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
     """Save an avatar with what ``former`` has learned. Raises InputError and OutputError."""
     try:
-        from ...models.train.takeover import taken_over
+        from ...models.train.regressors.takeover import taken_over
     except ImportError as error:
         raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     out = _place(out or avatar, [former])

@@ -11,7 +11,7 @@ from .moments import load_moments
 from .opencapture import chosen
 
 if TYPE_CHECKING:
-    from ...models.train.fit import Start
+    from ...models.train.synthesis.fit import Start
 
 
 def training_moments(cast: Avatar, footage: Capture, track: Path | None, bar: ProgressBar) -> "dict[int, Start]":
@@ -20,8 +20,8 @@ def training_moments(cast: Avatar, footage: Capture, track: Path | None, bar: Pr
 
     Raises InputError for another avatar's track, CaptureError where the capture changed since it was opened.
     """
-    from ...models.train.fit import HeadPose, Start
-    from ...models.train.fitcapture import fit_moments
+    from ...models.train.synthesis.fit import HeadPose, Start
+    from ...models.train.synthesis.fitcapture import fit_moments
 
     if track is not None:
         known = load_moments(track, cast)

@@ -8,11 +8,11 @@ import torch
 from gemheads.models.captures.layout import Shot
 from gemheads.models.captures.reader import Capture
 from gemheads.models.gem import CHANNELS, CLAMP_SIGMAS, Gem
-from gemheads.models.train.fit import NOISE
-from gemheads.models.train.lbfgs import minimise
-from gemheads.models.train.runs import arrays_of
-from gemheads.models.train.torchgem import pose_head
-from gemheads.models.train.views import views_of
+from gemheads.models.train.avatars.runs import arrays_of
+from gemheads.models.train.synthesis.fit import NOISE
+from gemheads.models.train.synthesis.lbfgs import minimise
+from gemheads.models.train.synthesis.torchgem import pose_head
+from gemheads.models.train.synthesis.views import views_of
 from gemheads.render.diff.rasterize import rasterize
 from gemheads.render.diff.tensors import RawTensors, activate
 from gemheads.render.gaussians import RawGaussians

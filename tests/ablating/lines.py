@@ -13,10 +13,10 @@ from gemheads.models.gem import MODALITIES, Gem
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.importers.adopt import adopt
 from gemheads.models.metrics.pixels import psnr
-from gemheads.models.train.fit import HeadPose, Start
-from gemheads.models.train.refine import RefineEffort, refine
-from gemheads.models.train.run_source import run_source
-from gemheads.models.train.runs import Run
+from gemheads.models.train.avatars.run_source import run_source
+from gemheads.models.train.avatars.runs import Run
+from gemheads.models.train.synthesis.fit import HeadPose, Start
+from gemheads.models.train.synthesis.refine import RefineEffort, refine
 from gemheads.render.gaussians import RawGaussians
 from numpy.typing import NDArray
 

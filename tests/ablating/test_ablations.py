@@ -12,10 +12,10 @@ import toycapture
 from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.metrics.pixels import psnr
-from gemheads.models.train.plan import Plan
-from gemheads.models.train.run_source import run_source
-from gemheads.models.train.runs import Run, open_run
-from gemheads.models.train.train_avatar import train_avatar
+from gemheads.models.train.avatars.plan import Plan
+from gemheads.models.train.avatars.run_source import run_source
+from gemheads.models.train.avatars.runs import Run, open_run
+from gemheads.models.train.avatars.train_avatar import train_avatar
 from gemheads.render.gaussians import RawGaussians
 from gemheads.render.rotations import sign_aligned
 

@@ -22,8 +22,8 @@ import numpy as np
 import torch
 from ablating.lines import Ablation, Effort, Line
 from gemheads.models.captures.reader import open_capture
-from gemheads.models.train.fit import error_map
-from gemheads.models.train.runs import open_run
+from gemheads.models.train.avatars.runs import open_run
+from gemheads.models.train.synthesis.fit import error_map
 from gemheads.models.wholefile import write_whole
 
 MARKS = "<!-- table -->", "<!-- end of table -->"

@@ -20,7 +20,7 @@ from gemheads.app.performing.portrait import portrait
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.posing import pose_head
-from gemheads.models.train.fit import FIRST, NEXT, fit
+from gemheads.models.train.synthesis.fit import FIRST, NEXT, fit
 from gemheads.render.compositing import over
 from gemheads.render.software import SoftwareEngine
 

@@ -27,12 +27,12 @@ from gemheads.models.captures.staging import Stage
 from gemheads.models.captures.texels import texels_of
 from gemheads.models.gemfile import load_gem
 from gemheads.models.metrics.tables import DIGITS, METRICS
-from gemheads.models.train.contestants import GemContestant, neck_of
+from gemheads.models.train.avatars.runs import open_run
 from gemheads.models.train.deck import spaced
-from gemheads.models.train.fit import error_map
-from gemheads.models.train.judge import Judge
+from gemheads.models.train.judging.contestants import GemContestant, neck_of
+from gemheads.models.train.judging.judge import Judge
 from gemheads.models.train.perceptual import Perceptual, WeightsMissing
-from gemheads.models.train.runs import open_run
+from gemheads.models.train.synthesis.fit import error_map
 from gemheads.render.gaussians import RawGaussians
 from numpy.typing import NDArray
 

@@ -22,8 +22,8 @@ from gemheads.models.driver.features import relative_rotation
 from gemheads.models.driver.nodding import READ_AS_PITCH_DEG
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gemfile import load_gem
-from gemheads.models.train.controls import controls_of
-from gemheads.models.train.expressions import random_weights
+from gemheads.models.train.regressors.controls import controls_of
+from gemheads.models.train.regressors.expressions import random_weights
 
 SHIPPED = Path(__file__).parents[2] / "assets" / "avatars"
 SIZE, LOOKS = 384, 2

@@ -2,9 +2,9 @@
 
     python tests/bench/smiles.py [CLIP ...] [--avatars AVATAR.gem ...]
 
-models/heads/head.py has what a smile is made of from the first two tables, models/train/controls.py where coefficients
-begin to bend from the third. The last asks an avatar's regressor for the avatar's own expressions: what it does not
-give back there, no driver gets.
+models/heads/head.py has what a smile is made of from the first two tables, models/train/regressors/controls.py where
+coefficients begin to bend from the third. The last asks an avatar's regressor for the avatar's own expressions: what
+it does not give back there, no driver gets.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
-from gemheads.models.train.controls import STRAIGHT, controls_of
+from gemheads.models.train.regressors.controls import STRAIGHT, controls_of
 from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -11,8 +11,8 @@ import pytest
 
 torch = pytest.importorskip("torch", reason="runs need the extra gemheads[train]")
 
-from gemheads.models.train.plan import PRESETS  # noqa: E402
-from gemheads.models.train.runs import CHECKPOINT, CONFIG, RunError, read_checkpoint, read_config  # noqa: E402
+from gemheads.models.train.avatars.plan import PRESETS  # noqa: E402
+from gemheads.models.train.avatars.runs import CHECKPOINT, CONFIG, RunError, read_checkpoint, read_config  # noqa: E402
 
 
 class Program:

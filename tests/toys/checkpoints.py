@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import torch
-from gemheads.models.train.runs import read_checkpoint
+from gemheads.models.train.avatars.runs import read_checkpoint
 
 
 def flat(value: object) -> Iterator[tuple[str, torch.Tensor]]:

@@ -8,8 +8,8 @@ from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.gemfile import load_gem
-from gemheads.models.train.contestants import Act, Floats, GemContestant
-from gemheads.models.train.judge import Judge
+from gemheads.models.train.judging.contestants import Act, Floats, GemContestant
+from gemheads.models.train.judging.judge import Judge
 
 
 @dataclass(frozen=True)

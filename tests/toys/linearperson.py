@@ -6,10 +6,10 @@ from gemheads.models.arkit import NAMES
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train.channels import channel_indices  # noqa: E402
-from gemheads.models.train.expressions import random_weights  # noqa: E402
-from gemheads.models.train.response import TYPICAL, ResponseModel, Responses  # noqa: E402
-from gemheads.models.train.strangers import Person, in_tolerances  # noqa: E402
+from gemheads.models.train.regressors.channels import channel_indices  # noqa: E402
+from gemheads.models.train.regressors.expressions import random_weights  # noqa: E402
+from gemheads.models.train.regressors.response import TYPICAL, ResponseModel, Responses  # noqa: E402
+from gemheads.models.train.regressors.strangers import Person, in_tolerances  # noqa: E402
 
 
 def linear_person(shapes: np.ndarray, leak: np.ndarray, count: int = 1500, seed: int = 0) -> Person:

@@ -6,9 +6,9 @@ from gemheads.models.driver.features import DIMENSION
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train.controls import Controls  # noqa: E402
-from gemheads.models.train.network import RegressorNetwork  # noqa: E402
-from gemheads.models.train.reduction import principal_components  # noqa: E402
+from gemheads.models.train.regressors.controls import Controls  # noqa: E402
+from gemheads.models.train.regressors.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.regressors.reduction import principal_components  # noqa: E402
 
 
 def relative_features(count: int, seed: int = 0) -> np.ndarray:

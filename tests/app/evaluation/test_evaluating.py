@@ -17,7 +17,7 @@ from gemheads.models.captures.reader import open_capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.gemfile import load_gem
 from gemheads.models.metrics.pixels import l1, psnr
-from gemheads.models.train.contestants import GemContestant
+from gemheads.models.train.judging.contestants import GemContestant
 from gemheads.models.train.perceptual import TINY, Perceptual, WeightsMissing
 
 QUICK = ("--lpips", "none", "--shots", "2")

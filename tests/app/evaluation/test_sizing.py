@@ -13,19 +13,19 @@ pytest.importorskip("torch", reason="evaluating needs the extra gemheads[train]"
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.evaluation import judging
-from gemheads.app.evaluation.curves import color_of
-from gemheads.app.evaluation.pictures import Gallery, choose
-from gemheads.app.evaluation.sizes import Pace, Variant, sizes_json
-from gemheads.app.evaluation.sizessection import sizes_section
+from gemheads.app.evaluation.report.curves import color_of
+from gemheads.app.evaluation.report.pictures import Gallery, choose
+from gemheads.app.evaluation.report.sizes import Pace, Variant, sizes_json
+from gemheads.app.evaluation.report.sizessection import sizes_section
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.metrics.pixels import psnr
 from gemheads.models.metrics.tables import METRICS, SIZES
-from gemheads.models.train.contestants import Act, GemContestant
-from gemheads.models.train.crew import Crew
-from gemheads.models.train.evaluate import Alone
-from gemheads.models.train.ledger import Record
+from gemheads.models.train.judging.contestants import Act, GemContestant
+from gemheads.models.train.judging.crew import Crew
+from gemheads.models.train.judging.evaluate import Alone
+from gemheads.models.train.judging.ledger import Record
 from gemheads.models.train.workers import WorkerLost
 
 
@@ -79,7 +79,7 @@ def test_fewer_components_have_rows_of_their_own(
 def test_so_many_processes_judge_as_were_asked_for(
     toy_capture: Path, avatar: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """That they find the same is in tests/models/train/test_crew.py."""
+    """That they find the same is in tests/models/train/judging/test_crew.py."""
     asked: list[int] = []
 
     def alone(crew: Crew, identity: str, opens: Any) -> Alone:

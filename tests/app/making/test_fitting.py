@@ -124,7 +124,7 @@ def test_a_missing_torch_is_one_plain_line(
 ) -> None:
     for name in [name for name in sys.modules if name.startswith("gemheads.models.train.")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delattr("gemheads.models.train.fit", raising=False)
+    monkeypatch.delattr("gemheads.models.train.synthesis.fit", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     shot = saved(np.zeros((64, 48, 3), np.uint8), tmp_path / "shot.png")
     assert main(["fit", str(tiny), str(shot), "-o", str(tmp_path / "a.track")]) == ExitCode.INPUT

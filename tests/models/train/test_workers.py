@@ -18,15 +18,15 @@ import labour  # noqa: E402
 from gemheads.models.arkit import NAMES  # noqa: E402
 from gemheads.models.driver.features import DIMENSION  # noqa: E402
 from gemheads.models.gemfile import load_gem  # noqa: E402
-from gemheads.models.train import closing, series, train_regressor  # noqa: E402
-from gemheads.models.train.bystanders import leaks_of_bystanders  # noqa: E402
-from gemheads.models.train.closing import ClosedLoop  # noqa: E402
-from gemheads.models.train.controls import controls_of  # noqa: E402
-from gemheads.models.train.leaks import Leaks, pose_leak  # noqa: E402
-from gemheads.models.train.network import RegressorNetwork  # noqa: E402
-from gemheads.models.train.reduction import compared_channels  # noqa: E402
-from gemheads.models.train.strangers import Person, crowd  # noqa: E402
-from gemheads.models.train.turns import learned_turns  # noqa: E402
+from gemheads.models.train.regressors import closing, series, train_regressor  # noqa: E402
+from gemheads.models.train.regressors.bystanders import leaks_of_bystanders  # noqa: E402
+from gemheads.models.train.regressors.closing import ClosedLoop  # noqa: E402
+from gemheads.models.train.regressors.controls import controls_of  # noqa: E402
+from gemheads.models.train.regressors.leaks import Leaks, pose_leak  # noqa: E402
+from gemheads.models.train.regressors.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.regressors.reduction import compared_channels  # noqa: E402
+from gemheads.models.train.regressors.strangers import Person, crowd  # noqa: E402
+from gemheads.models.train.regressors.turns import learned_turns  # noqa: E402
 from gemheads.models.train.workers import WorkerLost, Workers  # noqa: E402
 from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402

@@ -1,0 +1,61 @@
+"""Pictures of a learned avatar as the cameras of its capture see it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ....render.diff.rasterize import rasterize
+from ....render.diff.tensors import GaussianTensors, RawTensors, activate
+from ...captures.layout import Shot
+from ...captures.reader import Capture
+from ...captures.texels import Texels
+from ..losses import psnr
+from ..synthesis.torchgem import pose_head
+from ..synthesis.views import View, views_of
+from .avatar import Avatar
+from .moments import Moments
+from .residuals import Residuals
+
+
+class Stage:
+    """An avatar, its capture, and what of the two is needed for a picture; all on one device."""
+
+    def __init__(self, capture: Capture, texels: Texels, avatar: Avatar, device: torch.device) -> None:
+        self.capture, self.texels, self.avatar, self.device = capture, texels, avatar, device
+        self.moments = Moments(capture, texels, device)
+        self._neck_weights = torch.from_numpy(texels.spread(capture.template.neck_weights)).float().to(device)
+        self._pivot = torch.from_numpy(np.array(capture.template.neck_pivot, np.float32)).to(device)
+
+    def splats(self, timestep: int, bare: bool = False) -> tuple[RawTensors, Residuals]:
+        """The avatar at one moment, with the head's pose, and how far it is from the ``bare`` surface."""
+        moment = self.moments[timestep]
+        raw, residuals = self.avatar(moment, bare)
+        return pose_head(raw, self._neck_weights, self._pivot, moment.rotation, moment.translation), residuals
+
+    def view(self, shot: Shot, background: Sequence[float] | None = None) -> View:
+        """A shot over a background; without a mask, or with None, over the one it was taken against."""
+        rgba = self.capture.read(shot)
+        ground = self.capture.background if background is None or rgba[..., 3].min() == 255 else background
+        view = views_of([rgba], [shot.camera], ground)[0]
+        return View(view.picture.to(self.device), view.camera, view.background.to(self.device))
+
+    def draw(self, splats: GaussianTensors, view: View) -> Tensor:
+        """[H, W, 3] what the view's camera sees, over its background."""
+        return rasterize(splats, view.camera, view.background)
+
+    def seen(self, shot: Shot, bare: bool = False) -> tuple[Tensor, Tensor]:
+        """The picture that was taken and the avatar's, both [H, W, 3] in [0, 1] without gradients."""
+        with torch.no_grad():
+            view = self.view(shot)
+            image = self.draw(activate(self.splats(shot.timestep, bare)[0]), view)
+            return view.picture, image.clamp(0, 1)
+
+    def quality(self, shots: Sequence[Shot], bare: bool = False) -> float:
+        """Mean PSNR over shots, decibels; NaN for none."""
+        values = []
+        for shot in shots:
+            truth, image = self.seen(shot, bare)
+            values.append(psnr(image, truth))
+        return float(np.mean(values)) if values else float("nan")

@@ -1,0 +1,154 @@
+"""Relative features as other people would give them: other avatars, other gains, other leaks of head pose, noise.
+
+With each goes what the same face would read from the front: an avatar that repeats *that* does not pull a face where
+the driver only turns his head.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from ...driver.features import BLOCKS, DIMENSION
+from .channels import channel_indices, channel_tolerances, mouth_channels
+from .leaks import Leaks, pose_leak, turned
+from .response import ResponseModel, Responses, at_rest
+
+Floats = NDArray[np.float32]
+GAIN_SPREAD = 0.35
+"""Standard deviation of the logarithm of how strongly a person moves a channel, against the avatars."""
+MOUTH_SPREAD = 0.5
+"""Standard deviation of what is added to each channel of an invented person's mouth, in that channel's own spread, for
+a mouth that moves as much as most do; for others in proportion. Channels go together otherwise on people's mouths than
+on avatars'; a regressor that knows the latter alone takes strangers' mouths for those of an avatar."""
+RESTING_LEAK_SPREAD = 1.0
+"""How far the pose leak of other people differs from the mean, against that of the heads that are known, where their
+face does nothing else ..."""
+LEAK_SPREAD = 0.4
+"""... and where it does: whoever doubts all that a turned head shows does not follow it, puckers and brows first."""
+AT_ONCE = 20_000
+"""Moments are invented in parts of so many: all of them together would take twice the memory."""
+NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
+"""Standard deviation of the tracker's noise per block, in the block's unit."""
+
+
+@dataclass(frozen=True)
+class Person:
+    """Somebody whose pictures are known."""
+
+    seen: Responses
+    response: ResponseModel
+    """Learned from them."""
+    doubters: tuple[ResponseModel, ...] = ()
+    """The same learned with other random numbers: where they disagree, it is not known how the person answers."""
+
+
+@dataclass(frozen=True)
+class Crowd:
+    """S moments of people who are not the avatar."""
+
+    features: Floats
+    """[S, D] relative features."""
+    rotations: Floats
+    """[S, 3] relative head rotation as the tracker reads it, radians."""
+    wanted: Floats
+    """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
+    resting: NDArray[np.bool_]
+    """[S] moments in which nothing but the head moves."""
+
+    def __len__(self) -> int:
+        return len(self.features)
+
+
+def from_the_front(person: Person) -> Floats:
+    """[S, T] the channels of a person's pictures, in tolerances, relative to the neutral, had the head not turned.
+
+    What the response says of the turn is taken off; what else is read, noise and all that the response does not know,
+    stays: on people, too, it is what is read that shall be followed. Only of a face at rest nothing stays.
+    """
+    weights, rotations = torch.from_numpy(person.seen.weights), torch.from_numpy(person.seen.rotations)
+    still, front = torch.zeros(1, 3), torch.zeros(len(weights), 3)
+    with torch.no_grad():
+        rest = person.response(torch.zeros(1, weights.shape[1]), still)
+        turned = (person.response(weights, rotations) - person.response(weights, front) + rest).numpy()
+    channels = in_tolerances(person.seen.features) - turned
+    return np.where(at_rest(person.seen.weights)[:, None], 0, channels).astype(np.float32)
+
+
+def in_tolerances(features: Floats) -> Floats:
+    """[S, T] the compared channels of relative features [S, D]."""
+    return (features[:, channel_indices()] / channel_tolerances()).astype(np.float32)
+
+
+def crowd(people: Sequence[Person], others: Leaks, footage: Floats, count: int, rng: np.random.Generator) -> Crowd:
+    """``count`` moments of invented people.
+
+    Each is a picture of one of ``people``, its mouth another's, its channels multiplied by gains of their own, its
+    pose leak exchanged for that of one more head like the ``others``, with noise; a third of them are taken from
+    ``footage`` [S, D + 3] (features and rotations of unlabelled real faces) where there is any, whose leak is taken to
+    be the mean of the others'.
+    """
+    leaks = [pose_leak(person.seen) for person in people]
+    fronts = [from_the_front(person) for person in people]
+    sizes = [min(AT_ONCE, count - first) for first in range(0, count, AT_ONCE)]
+    parts = [_invented(people, leaks, fronts, others, footage, size, rng) for size in sizes]
+    return Crowd(
+        np.concatenate([part.features for part in parts]),
+        np.concatenate([part.rotations for part in parts]),
+        np.concatenate([part.wanted for part in parts]),
+        np.concatenate([part.resting for part in parts]),
+    )
+
+
+def _invented(
+    people: Sequence[Person],
+    leaks: Sequence[Floats],
+    fronts: Sequence[Floats],
+    others: Leaks,
+    footage: Floats,
+    count: int,
+    rng: np.random.Generator,
+) -> Crowd:
+    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``."""
+    which = rng.integers(len(people), size=count)
+    features = np.empty((count, DIMENSION), np.float32)
+    rotations, seen_rotations = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
+    wanted = np.empty((count, len(channel_indices())), np.float32)
+    resting = np.zeros(count, np.bool_)
+    for index, person in enumerate(people):
+        rows = np.flatnonzero(which == index)
+        picked = rng.integers(len(person.seen), size=len(rows))
+        rotations[rows], seen_rotations[rows] = person.seen.rotations[picked], person.seen.seen_rotations[picked]
+        features[rows] = person.seen.features[picked] - turned(rotations[rows]) @ leaks[index]
+        wanted[rows] = fronts[index][picked]
+        resting[rows] = at_rest(person.seen.weights)[picked]
+    spread = np.where(resting, RESTING_LEAK_SPREAD, LEAK_SPREAD).astype(np.float32)
+    features += others.of_others(rotations, spread, rng)
+    if len(footage):
+        rows = rng.random(count) < 1 / 3
+        picked = rng.integers(len(footage), size=int(rows.sum()))
+        features[rows], seen_rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
+        turn = turned(seen_rotations[rows]) @ others.mean
+        wanted[rows] = in_tolerances(features[rows] - turn.astype(np.float32))
+        resting[rows] = False
+    differing = _other_mouths(wanted, rng)
+    features[:, channel_indices()] += differing * channel_tolerances()
+    wanted += differing
+    gains = np.exp(rng.normal(0, GAIN_SPREAD / 2, (count, 1)) + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
+    features *= gains
+    wanted *= gains[:, channel_indices()]
+    for name, spread in NOISE.items():
+        features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
+    return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting)
+
+
+def _other_mouths(wanted: Floats, rng: np.random.Generator) -> Floats:
+    """[S, T] what to add to read and followed channels [S, T] alike, so that mouths differ from the avatars'."""
+    mouth = mouth_channels()
+    spread = np.sqrt((wanted[:, mouth] ** 2).mean(0)) + 1e-6
+    moved = np.sqrt(((wanted[:, mouth] / spread) ** 2).mean(1, keepdims=True))
+    differing = np.zeros_like(wanted)
+    differing[:, mouth] = MOUTH_SPREAD * moved * spread * rng.normal(size=(len(wanted), int(mouth.sum())))
+    return differing

@@ -1,0 +1,1 @@
+"""Analysis by synthesis: coefficients fitted to pictures, bases refined on them, an avatar with gradients."""

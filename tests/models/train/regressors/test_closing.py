@@ -1,0 +1,170 @@
+"""The closed loop as a loss: several models of one response, and a network that they judge in turn."""
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
+
+from gemheads.models.arkit import NAMES, PARTNERS  # noqa: E402
+from gemheads.models.driver.features import DIMENSION  # noqa: E402
+from gemheads.models.train.regressors import closing  # noqa: E402
+from gemheads.models.train.regressors.closing import ClosedLoop, descend  # noqa: E402
+from gemheads.models.train.regressors.controls import controls_of  # noqa: E402
+from gemheads.models.train.regressors.expressions import random_weights  # noqa: E402
+from gemheads.models.train.regressors.network import RegressorNetwork  # noqa: E402
+from gemheads.models.train.regressors.reduction import Reduction, principal_components  # noqa: E402
+from gemheads.models.train.regressors.response import ResponseModel, Responses  # noqa: E402
+from gemheads.models.train.regressors.strangers import Crowd, Person, in_tolerances  # noqa: E402
+from gemheads.models.train.regressors.train_regressor import person_of  # noqa: E402
+from toygem import toy_gem  # noqa: E402
+
+COUNT = 600
+
+
+def answering(shapes: np.ndarray) -> ResponseModel:
+    """A response that is linear in the weights alone."""
+    response = ResponseModel(len(NAMES), shapes.shape[1])
+    with torch.no_grad():
+        for parameter in response.parameters():
+            parameter.zero_()
+        response.linear.weight[:, : len(NAMES)] = torch.from_numpy(shapes.T)
+    return response.requires_grad_(False)
+
+
+@pytest.fixture(scope="module")
+def scene() -> tuple[RegressorNetwork, Person, Crowd]:
+    """An avatar whose face follows its weights linearly, and people who do with theirs what it should do."""
+    rng = np.random.default_rng(0)
+    weights = random_weights(COUNT, rng)
+    features = (weights @ rng.normal(0, 0.2, (len(NAMES), DIMENSION))).astype("f4")
+    wanted = in_tolerances(features)
+    shapes = np.linalg.lstsq(weights, wanted, rcond=None)[0].astype("f4")
+    front = np.zeros((COUNT, 3), "f4")
+    seen = Responses(weights, front, front, features)
+    torch.manual_seed(0)
+    network = RegressorNetwork(principal_components(features), controls_of(toy_gem()))
+    return network, Person(seen, answering(shapes)), Crowd(features, seen.rotations, wanted, ~weights.any(1))
+
+
+def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    network, avatar, people = scene
+    loop = ClosedLoop(network, avatar, people)
+    before = loop.mismatch()
+    descend(network, loop.loss, 150, lambda stage, done, total: None)
+    assert loop.mismatch() < 0.6 * before
+    untrained = RegressorNetwork(
+        Reduction(network.feature_mean.numpy(), network.projection.numpy()), controls_of(toy_gem())
+    )
+    assert (
+        loop.mismatch([network]) == loop.mismatch() < loop.mismatch([network, untrained]) < loop.mismatch([untrained])
+    )
+
+
+def test_what_follows_best_is_found_without_a_network(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained, avatar, people = scene
+    monkeypatch.setattr(closing, "AT_ONCE", 250)
+    network = RegressorNetwork(
+        Reduction(trained.feature_mean.numpy(), trained.projection.numpy()), controls_of(toy_gem())
+    )
+    loop = ClosedLoop(network, avatar, people)
+    untrained = loop.mismatch()
+    best = loop.best()
+    assert best.shape == (COUNT, len(NAMES))
+    assert best.dtype == np.float32
+    assert (best >= 0).all()
+    assert (best <= 1).all()
+    start = network.started(torch.from_numpy(people.features)).numpy()
+    assert (np.abs(best - start) <= network.reach.numpy() + 1e-6).all()
+    shown = avatar.response(torch.from_numpy(best), torch.zeros(COUNT, 3)).numpy()
+    missed = np.abs(shown - people.wanted)
+    assert np.where(missed < 3, missed**2 / 2, 3 * (missed - 1.5)).mean() < 0.3 * untrained
+    for eyes in (("eyeLookOutLeft", "eyeLookInRight"), ("eyeLookUpLeft", "eyeLookUpRight")):
+        one, other = (best[:, NAMES.index(name)] - start[:, NAMES.index(name)] for name in eyes)
+        inside = (best[:, [NAMES.index(name) for name in eyes]] % 1 != 0).all(1)
+        np.testing.assert_allclose(one[inside], other[inside], atol=1e-5)
+
+
+def test_the_halves_of_a_face_are_moved_together(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained, avatar, people = scene
+    reduction = Reduction(trained.feature_mean.numpy(), trained.projection.numpy())
+    seen = torch.from_numpy(people.features), torch.from_numpy(people.rotations)
+
+    def apart(price: float) -> float:
+        monkeypatch.setattr(closing, "ONE_SIDED", price)
+        torch.manual_seed(0)
+        network = RegressorNetwork(reduction, controls_of(toy_gem()))
+        descend(network, ClosedLoop(network, avatar, people).loss, 150, lambda stage, done, total: None)
+        with torch.no_grad():
+            moved = network.weights(*seen) - network.started(seen[0])
+        left, right = np.array(PARTNERS).T
+        return float((moved[:, left] - moved[:, right]).square().mean())
+
+    assert apart(100.0) < 0.5 * apart(0.0)
+
+
+def test_an_avatar_that_is_steered_by_coefficients_has_no_halves(
+    scene: tuple[RegressorNetwork, Person, Crowd],
+) -> None:
+    controls = controls_of(toy_gem(rigged=False))
+    assert len(controls.pairs) == 0
+    _, avatar, people = scene
+    network = RegressorNetwork(principal_components(people.features), controls)
+    count = len(controls.upper)
+    response = ResponseModel(count, people.wanted.shape[1]).requires_grad_(False)
+    seen = replace(avatar.seen, weights=np.zeros((COUNT, count), "f4"))
+    assert torch.isfinite(ClosedLoop(network, Person(seen, response), people).loss())
+
+
+def test_a_face_that_moves_where_only_the_head_does_is_dear(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    network, avatar, people = copy.deepcopy(scene)
+    with torch.no_grad():
+        network.layers[-1].bias += 0.3
+        moved = network.weights(torch.zeros(1, DIMENSION), torch.zeros(1, 3))
+    nothing_read = np.where(people.resting[:, None], 0, people.features).astype("f4")
+    assert people.resting.any()
+
+    def loss(price: float, resting: np.ndarray) -> float:
+        monkeypatch.setattr(closing, "STILLNESS", price)
+        torch.manual_seed(0)
+        people_there = replace(people, features=nothing_read, resting=resting)
+        return float(ClosedLoop(network, avatar, people_there).loss().detach())
+
+    dear = loss(7.0, people.resting) - loss(0.0, people.resting)
+    assert dear == pytest.approx(7.0 * float(moved.square().mean()), rel=1e-3)
+    nobody = np.zeros_like(people.resting)
+    assert loss(7.0, nobody) == loss(0.0, nobody)
+
+
+def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    network, avatar, people = scene
+    strange = answering(np.zeros((len(NAMES), people.wanted.shape[1]), "f4"))
+    doubted, other = replace(avatar, doubters=(strange,)), replace(avatar, response=strange)
+
+    def loss(who: Person, step: int) -> float:
+        torch.manual_seed(1)
+        return float(ClosedLoop(network, who, people).loss(step).detach())
+
+    assert loss(doubted, 0) == loss(avatar, 0)
+    assert loss(doubted, 1) == loss(other, 0) != loss(avatar, 1)
+    one, two, both = (ClosedLoop(network, who, people).mismatch() for who in (avatar, other, doubted))
+    assert both == pytest.approx((one + two) / 2, rel=1e-5)
+
+
+def test_responses_of_one_person_are_learned_each_for_itself(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    person, _ = person_of(scene[1].seen, 5, 0, responses=3)
+    again, _ = person_of(scene[1].seen, 5, 0, responses=1)
+    zero = torch.zeros(1, len(NAMES)), torch.zeros(1, 3)
+    answers = [response(*zero) for response in (person.response, *person.doubters)]
+    assert len(answers) == 3
+    assert torch.equal(answers[0], again.response(*zero))
+    assert not torch.allclose(answers[0], answers[1])
+    assert not torch.allclose(answers[1], answers[2])
