@@ -4,27 +4,15 @@ import os
 import platform
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from .errors import ExitCode
+from .finding import Finding
 from .library import DEMO_CLIP, avatars
 from .reenacting.reports import versions
 
 FRAMES = 5
 """Pictures drawn to time an engine."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One line of the doctor's report."""
-
-    what: str
-    works: bool
-    detail: str
-    cure: str = ""
-    needed: bool = True
-    """Whether reenactment is impossible without it."""
 
 
 def run_doctor() -> ExitCode:

@@ -4,8 +4,8 @@ import socket
 import sys
 from collections.abc import Iterator
 
-from .doctor import Finding
 from .errors import CommandError
+from .finding import Finding
 
 
 def examine_live() -> Iterator[Finding]:

@@ -14,9 +14,9 @@ from ..models.wholefile import file_sha256
 from .errors import InputError, OutputError, UsageError
 from .files.leftovers import take_over
 from .files.outputs import keep_inputs
-from .files.tracks import load_track
 from .performing.casting import check_components, check_track, open_avatar
 from .performing.performance import Pose
+from .performing.tracks import load_track
 
 
 def export_expression(avatar: Path, out: Path, weights: list[str], components: int | None = None) -> None:

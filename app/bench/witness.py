@@ -14,8 +14,8 @@ from ...render.gaussians import RawGaussians
 from ..desk.actions import Order
 from ..desk.layout import laid_out
 from ..desk.view import DeskView
+from ..feed.capture import Capture
 from ..inputs.source import Opener
-from ..performing.capture import Capture
 from ..performing.casting import Avatar
 from ..performing.figures import Ring
 from ..performing.shots import Shot

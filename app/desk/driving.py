@@ -5,11 +5,11 @@ from typing import Any
 
 from ..credentials.origin import origin_of
 from ..errors import CommandError
+from ..feed.capture import Capture
 from ..inputs.source import Opener, Transport
-from ..performing.capture import Capture
 from ..performing.casting import Avatar
 from ..performing.shots import Health, Shot
-from ..performing.tuning import GROUPS, Tuning
+from ..person.tuning import GROUPS, Tuning
 from .actions import Order
 from .resting import NeutralTaking, kept, recalled
 from .sources import PERFORMANCE, CameraList, camera_named, demo, open_input

@@ -19,9 +19,9 @@ from ...models.crossing.pace import paces
 from ...models.crossing.poseleak import Turned
 from ..errors import InputError, UsageError
 from ..progress import ProgressBar
+from .crossingfigures import Row, crossing_json, crossing_said
 from .drivers import Driver, Tracked
 from .entrants import Entrant
-from .report.crossingfigures import Row, crossing_json, crossing_said
 from .report.crossingpictures import CrossingPictures
 from .robustness import robustness, turning_heads
 from .trials import SIZE, WORDS, Trial, trials

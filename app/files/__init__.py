@@ -1,1 +1,1 @@
-"""What is read and written: drivers' pictures, results, tracks, and what an earlier run left of them."""
+"""What is read and written: drivers as pictures, results, and what an earlier run left of them."""

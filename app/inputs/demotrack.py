@@ -11,8 +11,8 @@ from ...models.driver.face import FaceTracker
 from ...models.driver.features import feature_vector, head_rotation, relative_rotation
 from ..errors import NoFaceError
 from ..files.sources import Source, open_source
-from ..files.weights import DEMO, WeightsTrack, save_weights
 from ..library import DEMO_CLIP
+from ..performing.weights import DEMO, WeightsTrack, save_weights
 from ..person.neutrals import AUTO, find_neutral
 
 NAME = "Demo performance"

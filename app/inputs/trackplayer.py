@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..files.tracks import Track, load_track
-from ..files.weights import DEMO, WeightsTrack, is_weights, load_weights
+from ..performing.tracks import Track, load_track
+from ..performing.weights import DEMO, WeightsTrack, is_weights, load_weights
 from .player import Player
 from .source import Delivery, PoseFrame, WeightsFrame
 

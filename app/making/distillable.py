@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...models.captures.baremesh import capture_source
 from ...models.captures.reader import Capture, open_capture
 from ...models.heads.performance import perform
 from ...models.importers.adopt import Progress
+from ...models.importers.baremesh import capture_source
 from ...models.importers.gaussianavatars import SPLATS, is_bound, open_bound
 from ...models.importers.lam import MESH, load_lam
 from ...models.importers.plysequence import MAX_FRAMES, open_sequence

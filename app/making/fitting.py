@@ -17,10 +17,10 @@ from ..files.frames import Frame
 from ..files.pictures import write_png
 from ..files.places import check_places
 from ..files.sources import Source, files_of, open_source
-from ..files.tracks import Track, save_track
 from ..performing.casting import Avatar, expression_of, open_avatar
 from ..performing.performance import Pose
 from ..performing.portrait import portrait
+from ..performing.tracks import Track, save_track
 from ..progress import ProgressBar
 from ..words import read_colour
 from .cameras import load_camera

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..files.tracks import Track, load_track, save_track
 from ..performing.casting import Avatar
 from ..performing.performance import Pose
+from ..performing.tracks import Track, load_track, save_track
 
 RATE = Fraction(30)
 """Timesteps a second when the track is played; a capture does not say."""

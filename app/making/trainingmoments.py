@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...models.captures.baremesh import bare_moments
 from ...models.captures.reader import Capture
+from ...models.importers.baremesh import bare_moments
 from ..performing.casting import Avatar
 from ..progress import ProgressBar
 from .moments import load_moments

@@ -1,1 +1,1 @@
-"""A performance as it goes on: who plays, from a delivered picture to a shot, and what the machine can bear."""
+"""A performance: who plays, what is done at each moment, kept or shown, and how fast that has to go."""

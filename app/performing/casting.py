@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models import arkit
 from ...models.driver.answer import Express, by_scores
@@ -13,8 +14,7 @@ from ...models.gem import Gem
 from ...models.gemfile import GemFormatError, load_gem
 from ...models.wholefile import file_sha256
 from ..errors import InputError, UsageError
-from ..files.tracks import Track
-from ..person.following import Floats
+from .tracks import Track
 
 Driving = Literal["learned", "baseline"]
 
@@ -28,7 +28,7 @@ class Avatar:
     sha256: str
 
     @property
-    def lids(self) -> Floats:
+    def lids(self) -> NDArray[np.floating]:
         """[coefficients] what closes both lids; zeros where the avatar does not know."""
         if self.gem.arkit_weights is None:
             return np.zeros_like(self.gem.rest_coefficients)

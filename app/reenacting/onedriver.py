@@ -24,7 +24,6 @@ from ..files.outputs import is_video
 from ..files.recipes import recipe_of
 from ..files.sinks import TIMES_FILE, FolderSink, Sink, VideoSink
 from ..files.sources import Source, files_of, open_source
-from ..files.tracks import Track
 from ..files.video import VideoFile
 from ..live import Image, Stage, perform, run_offline
 from ..performing.casting import Avatar, expression_of
@@ -33,6 +32,7 @@ from ..performing.portrait import portrait
 from ..performing.presence import Phase
 from ..performing.threads import ahead
 from ..performing.timing import Stopwatch
+from ..performing.tracks import Track
 from ..person.following import Actor
 from ..person.neutrals import find_neutral, said
 from ..progress import ProgressBar

@@ -25,8 +25,8 @@ from ..files.places import check_places
 from ..files.resuming import made_of_the_same
 from ..files.sinks import is_whole, video_codec
 from ..files.sources import files_of
-from ..files.tracks import head_still, load_track
 from ..performing.casting import check_components, check_track, expression_of, open_avatar
+from ..performing.tracks import head_still, load_track
 from ..person.neutrals import AUTO, NeutralRule
 from ..progress import ProgressBar
 from .onedriver import Cast, OneDriver, ingredients, papers_of

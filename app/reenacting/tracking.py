@@ -10,12 +10,12 @@ from ..errors import ExitCode, NoFaceError
 from ..files.outputs import keep_inputs
 from ..files.places import check_places
 from ..files.sources import files_of, open_source
-from ..files.tracks import Track, save_track
 from ..live import perform
 from ..performing.casting import Driving, expression_of, open_avatar
 from ..performing.performance import Pose
 from ..performing.threads import ahead
 from ..performing.timing import Stopwatch
+from ..performing.tracks import Track, save_track
 from ..person.following import Actor
 from ..person.neutrals import NeutralRule, find_neutral, said
 from ..progress import ProgressBar

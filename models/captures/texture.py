@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ..heads.meshview import see
 from .deformation import vertex_normals
 from .headmotion import posed
 from .layout import Shot
+from .meshview import see
 from .reader import Capture
 from .texels import Texels
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.camera import Camera
+from ..captures.meshview import see
 from .head import SKIN, Head
 from .ingredients import Ingredients
 from .maps import load_map, sample_map, strokes
 from .mesh import load_base
-from .meshview import see
 from .people import Person
 from .proxies import load_proxy
 

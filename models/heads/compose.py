@@ -5,12 +5,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...render.camera import orbit
+from ..captures.meshview import see
 from .collar import collar_height, neckline
 from .expressions import weights_of
 from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
 from .ingredients import Ingredients
 from .maps import sample_map
-from .meshview import see
 from .neckband import neckband_rider
 from .sampling import scatter
 from .shading import Shader

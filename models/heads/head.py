@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from ...render.camera import Camera
 from ..arkit import NAMES
+from ..captures.meshview import see
 from .ingredients import Ingredients
 from .lips import CORNER, LOWER, MIDDLE, PURSES, arching, hollowed, mouth_light, pursed
 from .maps import load_map, sample_map
 from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
-from .meshview import see
 from .people import Person
 from .proxies import Proxy, load_proxy
 from .puppet import Puppet

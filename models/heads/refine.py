@@ -12,9 +12,9 @@ from ...render.camera import Camera, orbit
 from ...render.gaussians import RawGaussians, activate
 from ...render.projection import ALPHA_MAX, ALPHA_MIN, DILATION
 from ...render.rotations import matrix_from_wxyz
+from ..captures.meshview import see
 from .expressions import weights_of
 from .head import EYES, SKIN, TEETH, TONGUE
-from .meshview import see
 from .performance import gaze
 from .shading import Shader
 from .splats import Rider, posed

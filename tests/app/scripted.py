@@ -6,10 +6,10 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+from gemheads.app.feed.loop import Loop
 from gemheads.app.files.frames import Frame
 from gemheads.app.inputs.source import Delivery, Kind, SourceLost, Transport
 from gemheads.app.performing.casting import Avatar
-from gemheads.app.performing.loop import Loop
 from gemheads.app.performing.shots import Shot
 from gemheads.models import arkit
 from gemheads.models.driver.detector import Detection

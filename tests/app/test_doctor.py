@@ -1,7 +1,8 @@
 import pytest
 from gemheads.app import doctor
-from gemheads.app.doctor import Finding, run_doctor
+from gemheads.app.doctor import run_doctor
 from gemheads.app.errors import ExitCode
+from gemheads.app.finding import Finding
 
 
 def told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *findings: Finding) -> tuple[int, str]:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
-from gemheads.app.files.tracks import Track, save_track
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models import arkit
 from gemheads.models.gemfile import load_gem
 from gemheads.render.gaussians import Gaussians, activate

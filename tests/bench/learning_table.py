@@ -20,7 +20,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import torch
-from gemheads.app.files.tracks import load_track
+from gemheads.app.performing.tracks import load_track
 from gemheads.models.captures.layout import Shot
 from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.staging import Stage

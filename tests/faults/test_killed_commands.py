@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from gemheads.app.files.sinks import is_whole
 from gemheads.app.files.sources import read_image
-from gemheads.app.files.tracks import Track, save_track
 from gemheads.app.files.video import VideoFile
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 

@@ -15,7 +15,7 @@ PROGRAM = """
 import json, os, sys, tempfile
 from pathlib import Path
 from fuzz.formats import FORMATS
-import gemheads.app.files.weights, gemheads.models.importers.lam
+import gemheads.app.performing.weights, gemheads.models.importers.lam
 try:
     import scipy
 except ImportError:

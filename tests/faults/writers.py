@@ -12,9 +12,9 @@ import numpy as np
 from gemheads.app.desk.settings import Settings, load_settings, save_settings
 from gemheads.app.files.pictures import write_png
 from gemheads.app.files.sinks import FolderSink, is_whole
-from gemheads.app.files.tracks import Track, load_track, save_track
-from gemheads.app.files.weights import WeightsTrack, load_weights, save_weights
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, load_track, save_track
+from gemheads.app.performing.weights import WeightsTrack, load_weights, save_weights
 from gemheads.app.person.profiles import load_profile, profile_path, save_profile
 from gemheads.app.person.restface import Resting
 from gemheads.app.reenacting.reports import write_report

@@ -12,10 +12,10 @@ from gemheads.app.desk.settings import load_settings, recalled
 from gemheads.app.desk.state import DeskState
 from gemheads.app.errors import InputError
 from gemheads.app.files.sources import open_source
-from gemheads.app.files.tracks import load_track
-from gemheads.app.files.weights import load_weights
 from gemheads.app.inputs.packets import PacketError, read_ifacialmocap, read_vmc
 from gemheads.app.making.cameras import load_camera
+from gemheads.app.performing.tracks import load_track
+from gemheads.app.performing.weights import load_weights
 from gemheads.app.person.profiles import kept_cameras, load_profile, profile_path
 from gemheads.models import mediafile, picturefile
 from gemheads.models.captures.layout import TEMPLATE, CaptureError, transforms_name

@@ -10,9 +10,9 @@ import av
 import cv2
 import numpy as np
 from gemheads.app.desk.settings import Settings, save_settings
-from gemheads.app.files.tracks import Track, save_track
-from gemheads.app.files.weights import WeightsTrack, save_weights
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, save_track
+from gemheads.app.performing.weights import WeightsTrack, save_weights
 from gemheads.app.person.profiles import save_profile
 from gemheads.app.person.restface import Resting
 from gemheads.models.driver.features import DIMENSION

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError
-from gemheads.app.files.tracks import FORMAT, load_track
-from gemheads.app.files.weights import FORMAT as WEIGHTS_FORMAT
-from gemheads.app.files.weights import load_weights
 from gemheads.app.making.cameras import load_camera
+from gemheads.app.performing.tracks import FORMAT, load_track
+from gemheads.app.performing.weights import FORMAT as WEIGHTS_FORMAT
+from gemheads.app.performing.weights import load_weights
 from gemheads.app.person.profiles import load_profile, profile_path
 from safetensors.numpy import save
 

@@ -10,9 +10,9 @@ from random import Random
 
 import psutil
 from gemheads.app.bench.source import demo_pictures
+from gemheads.app.feed.capture import Capture
 from gemheads.app.library import find_avatar
 from gemheads.app.live import Stage, draw
-from gemheads.app.performing.capture import Capture
 from gemheads.app.performing.casting import open_avatar
 from gemheads.app.performing.portrait import portrait
 from gemheads.app.performing.timing import Stopwatch

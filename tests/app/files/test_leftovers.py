@@ -9,8 +9,8 @@ from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode, OutputError
 from gemheads.app.files.leftovers import take_over
 from gemheads.app.files.sources import read_image
-from gemheads.app.files.tracks import Track, save_track
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models.gemfile import load_gem
 
 MADE_OF = {"avatar": "ab", "size": "64x64"}

@@ -4,11 +4,11 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError, UsageError
-from gemheads.app.files.tracks import save_track
 from gemheads.app.inputs import open_input
 from gemheads.app.library import DEMO_CLIP
+from gemheads.app.performing.tracks import save_track
 
-from ..files.test_tracks import TRACK
+from ..performing.test_tracks import TRACK
 
 
 def test_words_mean_what_they_say(tmp_path: Path) -> None:

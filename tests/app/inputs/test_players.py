@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from gemheads.app.errors import InputError
 from gemheads.app.files.frames import Frame
-from gemheads.app.files.tracks import Track, save_track
 from gemheads.app.inputs.pictures import open_pictures
 from gemheads.app.inputs.source import LiveSource, PoseFrame, WeightsFrame
 from gemheads.app.inputs.trackplayer import open_demo, open_track
 from gemheads.app.inputs.videoplayer import MOST_AT_ONCE, VideoPlayer
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, save_track
 
 from ..conftest import Clip
 from ..scripted import Clock

@@ -10,9 +10,9 @@ import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode, InputError
 from gemheads.app.files.sources import read_image
-from gemheads.app.files.tracks import load_track
 from gemheads.app.making.cameras import load_camera
 from gemheads.app.performing.portrait import portrait
+from gemheads.app.performing.tracks import load_track
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.posing import pose_head

@@ -7,7 +7,7 @@ import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import read_image
-from gemheads.app.files.tracks import load_track
+from gemheads.app.performing.tracks import load_track
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.gemfile import load_gem
 

@@ -18,9 +18,9 @@ import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import Source, open_source
-from gemheads.app.files.tracks import Track, save_track
 from gemheads.app.library import DEMO_CLIP
 from gemheads.app.performing.performance import Pose
+from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 

@@ -12,12 +12,12 @@ import pytest
 pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
 
 import torch
-from gemheads.models.captures.baremesh import capture_source
 from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.staging import Stage
 from gemheads.models.gemfile import save_gem
 from gemheads.models.importers.adopt import adopt
+from gemheads.models.importers.baremesh import capture_source
 from gemheads.models.metrics.pixels import BEST_DB
 from gemheads.models.train.judging.contestants import Act, Floats
 from gemheads.models.train.judging.crew import Crew

@@ -10,10 +10,10 @@ import pytest
 
 torch = pytest.importorskip("torch", reason="refining needs the extra gemheads[train]")
 
-from gemheads.models.captures.baremesh import capture_source  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.gem import MODALITIES, Gem  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
+from gemheads.models.importers.baremesh import capture_source  # noqa: E402
 from gemheads.models.posing import pose_head  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from gemheads.models.train.synthesis.fit import HeadPose, Start  # noqa: E402

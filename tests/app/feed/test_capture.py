@@ -8,15 +8,15 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from gemheads.app.feed.capture import Capture, Tuning
+from gemheads.app.feed.loop import Loop
 from gemheads.app.files.frames import Frame
 from gemheads.app.files.sources import open_source
 from gemheads.app.inputs import CameraChoice, open_camera, open_input
 from gemheads.app.inputs.source import Delivery
 from gemheads.app.inputs.transport import Playhead
 from gemheads.app.library import DEMO_CLIP, find_avatar
-from gemheads.app.performing.capture import Capture, Tuning
 from gemheads.app.performing.casting import Avatar, open_avatar
-from gemheads.app.performing.loop import Loop
 from gemheads.app.performing.shots import Shot
 from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.neutral import neutral_of

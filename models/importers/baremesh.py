@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.gaussians import RawGaussians
+from ..captures.reader import Capture
+from ..captures.texels import texels_of
+from ..captures.texture import texel_colors
 from ..gem import Gem
-from ..importers.source import Source
-from .reader import Capture
-from .texels import texels_of
-from .texture import texel_colors
+from .source import Source
 
 KIND = "bare mesh of the capture"
 """What an avatar's source begins with that was distilled from one, until it is refined."""

@@ -6,8 +6,8 @@ from gemheads.app.errors import InputError
 from gemheads.app.inputs.source import SourceLost
 from gemheads.app.inputs.transport import Playhead
 from gemheads.app.performing.presence import Phase
-from gemheads.app.performing.tuning import Tuning
 from gemheads.app.person.hints import SENTENCES
+from gemheads.app.person.tuning import Tuning
 from gemheads.models.driver.networks import NetworkError
 
 from ..scripted import Source, World, avatar, followed, jaw, opened, picture, unplugged

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError
+from gemheads.app.feed.loop import Loop
 from gemheads.app.inputs.source import PoseFrame, WeightsFrame
-from gemheads.app.performing.loop import Loop
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.presence import Phase
-from gemheads.app.performing.tuning import Tuning
 from gemheads.app.person.hints import SENTENCES
+from gemheads.app.person.tuning import Tuning
 from gemheads.models.driver.neutral import neutral_of
 
 from ..scripted import GEM, Source, World, avatar, followed, jaw, opened, picture

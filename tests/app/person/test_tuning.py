@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gemheads.app.performing.tuning import Tuning, actor_for, gain_matrix, group_of, smoother
 from gemheads.app.person.following import EXPRESSION_FILTER, Memory, take_on
+from gemheads.app.person.tuning import Tuning, actor_for, gain_matrix, group_of, smoother
 from gemheads.models.arkit import NAMES
 from gemheads.models.driver.answer import Answer
 from gemheads.models.gem import Gem

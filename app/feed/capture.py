@@ -10,11 +10,11 @@ from ...models.driver.face import FaceTracker
 from ...models.driver.features import DIMENSION
 from ...models.driver.neutral import NeutralChoice
 from ..inputs.source import Opener, Transport
+from ..performing.casting import Avatar
+from ..performing.shots import Health, Shot
 from ..person.following import Tracker
-from .casting import Avatar
+from ..person.tuning import Tuning
 from .loop import Loop
-from .shots import Health, Shot
-from .tuning import Tuning
 
 __all__ = ["Capture", "Tuning"]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...models.arkit import NAMES
 from ...models.wholefile import open_ordinary, write_whole
 from ..errors import InputError, OutputError, brief
-from .tensorfile import read_json, read_ratio, read_tensor_file
+from ..files.tensorfile import read_json, read_ratio, read_tensor_file
 
 FORMAT = "gemheads-weights"
 VERSION = 1

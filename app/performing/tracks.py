@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ...models.wholefile import write_whole
 from ..errors import InputError, brief
-from ..performing.performance import Pose
-from ..performing.presence import Phase
-from .places import save_learned
-from .tensorfile import read_json, read_ratio, read_tensor_file
+from ..files.places import save_learned
+from ..files.tensorfile import read_json, read_ratio, read_tensor_file
+from .performance import Pose
+from .presence import Phase
 
 FORMAT = "gemheads-track"
 VERSION = 3

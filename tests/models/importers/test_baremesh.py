@@ -4,11 +4,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from gemheads.models.captures.baremesh import capture_source
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.captures.texels import texels_of
 from gemheads.models.captures.texture import spread_shots, texel_colors
 from gemheads.models.importers.adopt import adopt
+from gemheads.models.importers.baremesh import capture_source
 from gemheads.models.posing import pose_head
 from gemheads.render.compositing import over
 from gemheads.render.software import SoftwareEngine

@@ -17,6 +17,10 @@ from ..errors import InputError
 from ..files.frames import Frame
 from ..inputs.source import PoseFrame, WeightsFrame
 from ..live import NO_SHIFT, act
+from ..performing.casting import Avatar, expression_of
+from ..performing.performance import Pose
+from ..performing.presence import Phase, update
+from ..performing.shots import Observed, Shot
 from ..person.following import (
     Actor,
     Memory,
@@ -29,11 +33,7 @@ from ..person.following import (
 from ..person.hints import HARD_TO_READ, Hints, Sign, signs_of, update_hints
 from ..person.seeing import lock_next, observe, sketch_of
 from ..person.settling import Settling, settle
-from .casting import Avatar, expression_of
-from .performance import Pose
-from .presence import Phase, update
-from .shots import Observed, Shot
-from .tuning import Tuning, actor_for
+from ..person.tuning import Tuning, actor_for
 
 _TICK = Fraction(1, 1_000_000)
 LONGEST_DT = 1.0

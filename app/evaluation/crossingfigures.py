@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.crossing.channels import CHANNELS, SCORE_CHANNELS
-from ....models.crossing.compare import Compared
-from ....models.crossing.embedding import Agreement
-from ....models.crossing.extent import Extent
-from ....models.crossing.pace import Pace
-from ....models.crossing.poseleak import GOAL, PITCH_DEG, YAW_DEG
-from ....models.metrics.tables import CROSSING, CROSSING_BY
+from ...models.crossing.channels import CHANNELS, SCORE_CHANNELS
+from ...models.crossing.compare import Compared
+from ...models.crossing.embedding import Agreement
+from ...models.crossing.extent import Extent
+from ...models.crossing.pace import Pace
+from ...models.crossing.poseleak import GOAL, PITCH_DEG, YAW_DEG
+from ...models.metrics.tables import CROSSING, CROSSING_BY
 
 if TYPE_CHECKING:
-    from ..drivers import Tracked
-    from ..robustness import Robustness
+    from .drivers import Tracked
+    from .robustness import Robustness
 
 JUDGED = [channel.name for channel in SCORE_CHANNELS]
 """Channels that have a goal."""

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError, OutputError
-from gemheads.app.files.tracks import FORMAT, Track, load_track, save_track
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.presence import Phase
+from gemheads.app.performing.tracks import FORMAT, Track, load_track, save_track
 from safetensors.numpy import save_file
 
 RNG = np.random.default_rng(1)

@@ -12,14 +12,14 @@ from ..files.frames import Frame
 from ..inputs.attempt import Spawn, in_thread
 from ..inputs.link import Link
 from ..inputs.source import Delivery, Opener, PoseFrame, TimedFrame, WeightsFrame
+from ..performing.casting import Avatar
+from ..performing.mailbox import Mailbox
+from ..performing.presence import Phase
+from ..performing.shots import Health, Shot, SourcePhase
 from ..person.following import Tracker
 from ..person.hints import SLOW
 from ..person.lazytracker import LazyTracker
 from .acting import Acting
-from .casting import Avatar
-from .mailbox import Mailbox
-from .presence import Phase
-from .shots import Health, Shot, SourcePhase
 
 READ_SECS = 0.01
 """How long one round waits for a delivery: wishes wait no longer."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError
-from gemheads.app.files.weights import DEMO, WeightsTrack, is_weights, load_weights, save_weights
+from gemheads.app.performing.weights import DEMO, WeightsTrack, is_weights, load_weights, save_weights
 from safetensors.numpy import save
 
 TRACK = WeightsTrack(

@@ -11,8 +11,8 @@ from ...models.driver.answer import Express
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.smoothing import OneEuro
 from ...models.gem import Gem
-from ..person.following import EXPRESSION_FILTER, MISREAD_FILTER, TURN_FILTER, Actor, Floats, Tracker
-from .casting import Avatar
+from ..performing.casting import Avatar
+from .following import EXPRESSION_FILTER, MISREAD_FILTER, TURN_FILTER, Actor, Floats, Tracker
 
 Group = Literal["mouth", "eyes", "brows", "head"]
 GROUPS: tuple[Group, ...] = get_args(Group)
