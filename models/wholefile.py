@@ -42,6 +42,17 @@ def partials_of(path: Path) -> list[Path]:
     return [file for file in path.parent.iterdir() if file.name.startswith(begin) and file.name.endswith(_END)]
 
 
+def marked(path: Path, mark: str) -> Path:
+    """``path`` with ``.mark`` before its suffix, which it keeps: the name of what is not finished yet.
+
+    Where that leaves no room for its stem, it has what stands for that.
+    """
+    end = f".{mark}{path.suffix}"
+    stem = os.fsencode(path.stem)
+    room = LONGEST_NAME - len(os.fsencode(end)) - len(".")  # a point before it hides it
+    return path.with_name(f"{path.stem if len(stem) <= room else hashlib.sha256(stem).hexdigest()[:32]}{end}")
+
+
 def behind_links(path: Path) -> Path:
     """The file that a link stands for, whether it is there or not; any other path as it is."""
     return Path(os.path.realpath(path)) if path.is_symlink() else path

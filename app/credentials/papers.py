@@ -1,5 +1,6 @@
 """The credentials of one result: signed where this computer can sign, and a sentence where it cannot."""
 
+import os
 from pathlib import Path
 
 from ...models.wholefile import file_sha256
@@ -55,12 +56,13 @@ class Papers:
 
 def driver_of(driver: str | None, track: Path | None, named: bool = False) -> Driver:
     """What may be told of a driver; ``named``: its file's name too. The whole file is read for its hash."""
-    file = Path(driver) if driver else track
+    file = track or (Path(driver) if driver else None)
     pictured = file is None or not file.is_file() or file.suffix.lower() in IMAGE_SUFFIXES
     kind = "track" if track else "pictures" if pictured else "video"
+    name = os.fsencode(file.name).decode("utf-8", "replace") if named and file else ""
     if file is None or not file.is_file():
-        return Driver(kind, name=file.name if named and file else "")
+        return Driver(kind, name=name)
     try:
-        return Driver(kind, file_sha256(file), file.name if named else "")
+        return Driver(kind, file_sha256(file), name)
     except OSError:  # it was read a moment ago; without its hash the rest still holds
-        return Driver(kind, name=file.name if named else "")
+        return Driver(kind, name=name)

@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ...models.wholefile import behind_links, marked
 from ..errors import OutputError
 from .localkey import LocalKey, key_file, local_key
 from .statement import Statement, manifest
@@ -42,7 +43,8 @@ class Signer:
         kind = KINDS.get(path.suffix.lower())
         if kind is None:
             raise OutputError(f"{path}: no credentials, {path.suffix} files cannot carry any")
-        aside = path.with_name(f".{path.stem}.signing{path.suffix}")
+        path = behind_links(path)
+        aside = path.with_name(f".{marked(path, 'signing').name}")
         try:
             with path.open("rb") as source, aside.open("w+b") as signed:
                 self._signed(kind, source, signed, statement)

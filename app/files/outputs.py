@@ -51,8 +51,8 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
     for out in filter(None, outs):
         place = out.resolve()  # through folders that are not there yet
         names = (place, partial_name(place)) if place.name else (place,)
-        read = [known[one] for one in (_identity(name) for name in names if name.exists()) if one in known]
-        if place.is_dir():
+        read = [known[one] for one in (_identity(name) for name in names if os.path.exists(name)) if one in known]
+        if os.path.isdir(place):
             read += [file for file in frames if file.parent.samefile(place)]
         if read:
             raise UsageError(f"{out}: would be written over {read[0]}, which is read; choose another name")

@@ -16,7 +16,7 @@ from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
 from ...models.mediafile import open_media
-from ...models.wholefile import behind_links, settle, write_whole
+from ...models.wholefile import behind_links, marked, settle, write_whole
 from ..errors import OutputError, UsageError
 from .audio import AudioCopy
 from .recipes import KEY
@@ -71,7 +71,7 @@ class Sink(Protocol):
 
 def partial_name(path: Path) -> Path:
     """The name of an unfinished result: it keeps its suffix, so that players open it."""
-    return path.with_name(f"{path.stem}.partial{path.suffix}")
+    return marked(path, "partial")
 
 
 class VideoSink:
@@ -119,29 +119,28 @@ class VideoSink:
         """Encode one picture and the sound up to it."""
         frame = self._converted(image)
         frame.pts, frame.time_base = pts, self._time_base
-        with _told(self.partial):
+        with _told(self.partial), self._file.checked():
             for packet in self._stream.encode(frame):
                 self._container.mux(packet)
             if self._audio:
                 self._audio.copy_until(float(pts * self._time_base))
-            self._file.check()
         self._count += 1
 
     def close(self, whole: bool) -> None:
         """Flush. Sound beyond the last picture is copied only when the result is whole."""
         with _told(self.partial):
-            try:
-                if self._count:
-                    for packet in self._stream.encode():
-                        self._container.mux(packet)
-                if self._audio:
-                    self._audio.close(whole)
-            finally:
+            with self._file.checked():
                 try:
-                    self._container.close()
+                    if self._count:
+                        for packet in self._stream.encode():
+                            self._container.mux(packet)
+                    if self._audio:
+                        self._audio.close(whole)
                 finally:
-                    self._file.close()
-            self._file.check()
+                    try:
+                        self._container.close()
+                    finally:
+                        self._file.close()
             if whole:
                 settle(self.partial)
                 self.partial.replace(self.path)
@@ -158,7 +157,7 @@ class VideoSink:
 
 
 class _WatchedFile(io.FileIO):
-    """Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes."""
+    """Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes, and names it otherwise later."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path, "w")
@@ -175,8 +174,15 @@ class _WatchedFile(io.FileIO):
             raise
         return len(data)
 
-    def check(self) -> None:
-        """Raises OSError where anything is missing."""
+    @contextmanager
+    def checked(self) -> Iterator[None]:
+        """Raises OSError where anything is missing, in the place of what FFmpeg raises for it."""
+        try:
+            yield
+        except (OSError, av.error.FFmpegError) as error:
+            if self._trouble is not None:
+                raise self._trouble from error
+            raise
         if self._trouble is not None:
             raise self._trouble
 
@@ -270,7 +276,8 @@ def _container_options(suffix: str, time_base: Fraction) -> dict[str, str]:
     if suffix == ".webm":
         return {"flush_packets": "1"}
     return {
-        "movflags": "frag_keyframe+delay_moov+default_base_moof",
+        # without FFmpeg's table of fragments at the end: what signs a file moves them, and the table would point astray
+        "movflags": "frag_keyframe+delay_moov+default_base_moof+skip_trailer",
         "movie_timescale": str(time_base.denominator),
         "flush_packets": "1",
     }

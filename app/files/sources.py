@@ -8,10 +8,12 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Protocol
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.picturefile import decode_picture
+from ...models.videopicture import LONGEST_SIDE
 from ...models.wholefile import open_ordinary
 from ..errors import InputError
 from .frames import Frame
@@ -63,24 +65,35 @@ class Source(Protocol):
 class Images:
     """Pictures in a given order, at a constant rate."""
 
-    def __init__(self, path: Path, files: list[Path], rate: Fraction) -> None:
+    def __init__(self, path: Path, files: list[Path], rate: Fraction, longest_side: int) -> None:
+        """``longest_side``: larger pictures are scaled down to this. Raises InputError."""
         self.path = path
         self.files = files
         self.rate = rate
         self.time_base = 1 / rate
         self.frame_count: int | None = len(files)
-        height, width = read_image(files[0]).shape[:2]
+        self._longest_side = longest_side
+        height, width = self._read(files[0]).shape[:2]
         self.size = (width, height)
 
     def frames(self) -> Iterator[Frame]:
         """All pictures; raises InputError for one that cannot be read."""
         for index, file in enumerate(self.files):
-            yield Frame(read_image(file), index, self.time_base)
+            yield Frame(self._read(file), index, self.time_base)
 
     def samples(self, count: int) -> list[Frame]:
         """Up to ``count`` pictures, evenly spread."""
         chosen = np.unique(np.linspace(0, len(self.files) - 1, count).round().astype(int))
-        return [Frame(read_image(self.files[i]), int(i), self.time_base, number=int(i)) for i in chosen]
+        return [Frame(self._read(self.files[i]), int(i), self.time_base, number=int(i)) for i in chosen]
+
+    def _read(self, file: Path) -> NDArray[np.uint8]:
+        image = read_image(file)
+        height, width = image.shape[:2]
+        scale = self._longest_side / max(height, width)
+        if scale >= 1:
+            return image
+        size = max(1, round(width * scale)), max(1, round(height * scale))
+        return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -100,10 +113,11 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     return np.asarray(image, np.uint8)
 
 
-def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
+def open_source(driver: str, rate: Fraction = Fraction(30), longest_side: int = LONGEST_SIDE) -> Source:
     """The driver behind a command-line word: a video, a picture, a folder of pictures, ``shot_*.png`` or ``%04d.png``.
 
-    ``rate`` (frames per second) is for pictures, which carry no time. Raises InputError.
+    ``rate`` (frames per second) is for pictures, which carry no time, and so is ``longest_side``, beyond which they are
+    scaled down (pixels); that of videos is LONGEST_SIDE. Raises InputError.
     """
     path = Path(driver)
     if path.is_dir():
@@ -112,14 +126,14 @@ def open_source(driver: str, rate: Fraction = Fraction(30)) -> Source:
             raise InputError(
                 f"{path}: a folder without pictures; it needs files ending in {', '.join(sorted(IMAGE_SUFFIXES))}"
             )
-        return Images(path, files, rate)
+        return Images(path, files, rate, longest_side)
     if path.is_file():
         if path.suffix.lower() in IMAGE_SUFFIXES:
-            return Images(path, [path], rate)
+            return Images(path, [path], rate, longest_side)
         return VideoFile(path)
     files = _sequence(path)
     if files:
-        return Images(path, files, rate)
+        return Images(path, files, rate, longest_side)
     if path.exists():
         raise InputError(f"{path}: a pipe or device, and a driver is read twice; save it as a file first")
     raise InputError(f"{path}: no such file or folder; check the path")

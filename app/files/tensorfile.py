@@ -15,7 +15,8 @@ Tensors = dict[str, NDArray[np.generic]]
 MAX_HEADER_BYTES = 64 * 2**10
 """An honest header has some hundred bytes."""
 _LENGTH_BYTES = 8
-_RATIO = re.compile(r"[0-9]{1,9}(/[0-9]{1,9})?")
+_RATIO = re.compile(r"[0-9]{1,10}(/[0-9]{1,10})?")
+"""FFmpeg's have up to ten digits: average rates of phone videos, and times in nanoseconds."""
 
 
 def is_tensor_file(path: Path) -> bool:

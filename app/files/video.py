@@ -52,6 +52,15 @@ class VideoFile:
     def frames(self) -> Iterator[Frame]:
         """All frames in order of presentation; damaged packets are passed over. Raises InputError without any."""
         last: int | None = None
+        for picture, last in self._timed():
+            yield self._frame(picture, last)
+        if last is None:
+            raise InputError(f"{self.path}: the clip holds no picture (zero length?); give one with at least one frame")
+
+    def _timed(self) -> Iterator[tuple[av.VideoFrame, int]]:
+        """The pictures that are shown, each with its timestamp, which rises: a repeated one is the same instant and
+        cannot be shown twice."""
+        last: int | None = None
         self.left_out = 0
         with _told(self.path), open_container(self.path) as container:
             stream = video_stream(container, self.path)
@@ -61,15 +70,12 @@ class VideoFile:
                 if self._untold:
                     late = _lateness(picture) if last is None else late
                     picture.pts = None if picture.dts is None else picture.dts - late
-                frame = self._frame(picture, last)
-                # Encoders need rising timestamps; a repeated one is the same instant and cannot be shown twice.
-                if last is None or frame.pts > last:
-                    last = frame.pts
-                    yield frame
+                pts = self._pts(picture, last)
+                if last is None or pts > last:
+                    last = pts
+                    yield picture, pts
                 else:
                     self.left_out += 1
-        if last is None:
-            raise InputError(f"{self.path}: the clip holds no picture (zero length?); give one with at least one frame")
 
     def samples(self, count: int) -> list[Frame]:
         """Up to ``count`` frames spread over the clip: of long clips the key frames, which cost no decoding."""
@@ -91,15 +97,11 @@ class VideoFile:
         """The first of each ``step`` frames, ``count`` at most, and how many were decoded for them."""
         frames: list[Frame] = []
         index = -1
-        with _told(self.path), open_container(self.path) as container:
-            stream = video_stream(container, self.path)
-            stream.thread_type = "AUTO"
-            for index, picture in enumerate(decoded(container, stream)):
-                if index % step == 0:
-                    frame = self._frame(picture, frames[-1].pts if frames else None)
-                    frames.append(replace(frame, number=index))
-                    if len(frames) == count:
-                        break
+        for index, (picture, pts) in enumerate(self._timed()):
+            if index % step == 0:
+                frames.append(replace(self._frame(picture, pts), number=index))
+                if len(frames) == count:
+                    break
         return frames, index + 1
 
     def _key_frames(self, count: int) -> list[Frame]:
@@ -117,16 +119,16 @@ class VideoFile:
                 except av.error.FFmpegError:
                     return []  # a file that cannot be sought is decoded from its beginning instead
                 if picture is not None and picture.pts is not None and picture.pts not in found:
-                    found[picture.pts] = self._frame(picture, None)
+                    found[picture.pts] = self._frame(picture, self._pts(picture, None))
         return [found[pts] for pts in sorted(found)]
 
-    def _frame(self, picture: av.VideoFrame, last: int | None) -> Frame:
-        pts = picture.pts
-        if pts is None:  # raw streams carry no time
-            tick = max(1, round(1 / (self.rate * self.time_base)))
-            pts = 0 if last is None else last + tick
-        else:
-            pts -= self._start
+    def _pts(self, picture: av.VideoFrame, last: int | None) -> int:
+        if picture.pts is not None:
+            return picture.pts - self._start
+        tick = max(1, round(1 / (self.rate * self.time_base)))  # raw streams carry no time
+        return 0 if last is None else last + tick
+
+    def _frame(self, picture: av.VideoFrame, pts: int) -> Frame:
         return Frame(upright_rgb(picture, self._pixel_aspect), pts, self.time_base)
 
 

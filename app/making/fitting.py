@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.driver.answer import Express
+from ...models.driver.face import MOST_SIDE
 from ...render.camera import Camera
 from ..errors import ExitCode, InputError, UsageError
 from ..files.frames import Frame
@@ -71,7 +72,7 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
         from ...models.train.synthesis import fit as _  # noqa: F401 (only whether it can be had)
     except ImportError as error:
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
-    source = open_source(picture, wish.rate)
+    source = open_source(picture, wish.rate, MOST_SIDE)  # a camera counts in the pixels of the file
     cast = open_avatar(avatar)
     check_places(out, wish.errors, read=[*files_of(picture), avatar])
     fitter = _Fitter(cast, source, wish)

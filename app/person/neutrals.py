@@ -70,11 +70,12 @@ def read_rule(text: str, sheet: Path | None = None) -> NeutralRule:
 
 
 def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralChoice:
-    """The neutral of a driver. Leaves the tracker as new.
+    """The neutral of a driver, whoever the tracker followed before. Leaves the tracker as new.
 
     Raises NoFaceError when nobody is in the frames that the rule points at, InputError when there is no such frame,
     OutputError when the contact sheet that it asks for cannot be written.
     """
+    tracker.reset()
     try:
         if rule.kind == "auto":
             return _chosen(source, tracker, rule.sheet)

@@ -75,6 +75,7 @@ class FaceTracker:
         self._geometry = read_geometry(read_checked(folder, GEOMETRY_FILE))
         self._region: Region | None = None
         self._last_box: Box | None = None
+        self._size: tuple[int, int] | None = None
 
     @property
     def providers(self) -> tuple[str, ...]:
@@ -88,13 +89,15 @@ class FaceTracker:
 
         Args:
             rgb: the image.
-            locked: where the only face that counts was a moment ago; a face that does not overlap this is somebody
-                else, and is passed by. None: anybody counts.
+            locked: where the only face that counts was a moment ago, in pixels of the image before, which may have been
+                larger or smaller; a face that does not overlap this is somebody else, and is passed by. None: anybody
+                counts.
 
         Raises:
             ValueError: when ``rgb`` is not such an image, or has a side outside 16..16384 pixels.
         """
         rgb = _checked(rgb)
+        locked = self._resized(rgb, locked)
         found = self._look(rgb, self._region, None) if self._region else None
         if found is None or _is_another(found, locked):
             found = self._find(rgb, locked)
@@ -110,12 +113,24 @@ class FaceTracker:
         return self._detect(_checked(rgb))
 
     def lock(self, face: Detection) -> None:
-        """From the next image on, follow this face."""
+        """From the next image on, follow this face of the last one."""
         self._region, self._last_box = face.region, face.box_px
 
     def reset(self) -> None:
         """Forget the face: the next image is searched as if it were the first."""
-        self._region = self._last_box = None
+        self._region = self._last_box = self._size = None
+
+    def _resized(self, rgb: NDArray[np.uint8], locked: Box | None) -> Box | None:
+        """``locked`` in pixels of this image, as the face that is followed: meetings change their size as they go."""
+        before, self._size = self._size, (rgb.shape[1], rgb.shape[0])
+        if before is None or before == self._size:
+            return locked
+        across, down = (now / then for now, then in zip(self._size, before, strict=True))
+        if self._region is not None:
+            self._region = self._region.scaled(across, down)
+        if self._last_box is not None:
+            self._last_box = _scaled(self._last_box, across, down)
+        return None if locked is None else _scaled(locked, across, down)
 
     def _find(self, rgb: NDArray[np.uint8], locked: Box | None) -> FaceObservation | None:
         """Run the detector and look at what it found: the face that was followed before, then the others."""
@@ -168,6 +183,11 @@ def looked(tracker: FaceTracker, rgb: NDArray[np.uint8], looks: int) -> FaceObse
     for _ in range(looks - 1):
         face = None if face is None else tracker.track(rgb)
     return face
+
+
+def _scaled(box: Box, across: float, down: float) -> Box:
+    left, top, right, bottom = box
+    return left * across, top * down, right * across, bottom * down
 
 
 def _is_another(face: FaceObservation, locked: Box | None) -> bool:

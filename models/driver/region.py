@@ -1,7 +1,7 @@
 """The turned square of the image that the landmark network looks at."""
 
 from dataclasses import dataclass
-from math import atan2, cos, sin
+from math import atan2, cos, sin, sqrt
 
 import cv2
 import numpy as np
@@ -25,6 +25,10 @@ class Region:
     """Side, pixels, > 0."""
     tilt: float
     """Angle of the eye line, radians, clockwise on the screen."""
+
+    def scaled(self, across: float, down: float) -> "Region":
+        """The same place in an image that is so many times as wide and high."""
+        return Region(self.x * across, self.y * down, self.size * sqrt(across * down), self.tilt)
 
     def to_image(self, side: int) -> NDArray[np.float64]:
         """[2, 3] affine map from a crop of ``side`` pixels to the image, both with pixel centres at half integers."""

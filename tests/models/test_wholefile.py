@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from gemheads.models.wholefile import partials_of, write_whole
+from gemheads.models.wholefile import marked, partials_of, write_whole
 
 LONG = "n" * 251 + ".gem"
 """As long as most disks take."""
@@ -17,6 +17,15 @@ def test_a_name_as_long_as_the_disk_takes_is_written(tmp_path: Path) -> None:
         assert (tmp_path / name).read_bytes() == b"whole"
         assert partials_of(tmp_path / name) == []
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_an_unfinished_name_keeps_its_suffix_and_fits_on_the_disk(tmp_path: Path) -> None:
+    assert marked(tmp_path / "a.b.mp4", "partial") == tmp_path / "a.b.partial.mp4"
+    names = [marked(tmp_path / f"{letter * length}.mp4", "partial") for letter, length in (("n", 251), ("ø", 125))]
+    for name in names:
+        assert name.name.endswith(".partial.mp4")
+        (tmp_path / f".{name.name}").touch()
+    assert len(set(names)) == 2
 
 
 @pytest.mark.parametrize("name", ["a.gem", LONG])

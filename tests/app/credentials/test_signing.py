@@ -33,6 +33,21 @@ def test_what_was_signed_is_read_again(name: str, signer: Signer, tmp_path: Path
     assert [file.name for file in tmp_path.iterdir()] == [name]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows links only for administrators")
+def test_a_link_stays_one_and_what_it_stands_for_is_signed(signer: Signer, tmp_path: Path) -> None:
+    path = write_file(tmp_path / "a.mp4")
+    (tmp_path / "link.mp4").symlink_to(path)
+    signer.sign(tmp_path / "link.mp4", STATEMENT)
+    assert (tmp_path / "link.mp4").is_symlink()
+    assert read_credentials(path).state == "intact"
+
+
+def test_a_name_as_long_as_the_disk_takes_is_signed(signer: Signer, tmp_path: Path) -> None:
+    path = write_file(tmp_path / f"{'n' * 251}.mp4")
+    signer.sign(path, STATEMENT)
+    assert read_credentials(path).state == "intact"
+
+
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("place", [0.3, 0.6, 0.9])
 def test_one_changed_bit_of_the_picture_is_seen(name: str, place: float, signer: Signer, tmp_path: Path) -> None:

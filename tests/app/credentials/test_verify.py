@@ -1,5 +1,7 @@
 """What ``gemheads verify`` says, and its exit codes."""
 
+import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -102,3 +104,17 @@ def test_a_driver_is_told_by_the_hash_of_its_bytes_and_by_name_only_when_asked(t
     assert driver_of(str(tmp_path), None) == Driver("pictures")
     picture = file.rename(tmp_path / "face.PNG")
     assert driver_of(str(picture), None) == Driver("pictures", sha256)
+
+
+def test_a_track_beside_its_video_is_the_driver(tmp_path: Path) -> None:
+    track, video = tmp_path / "a.track", tmp_path / "a.mp4"
+    track.write_bytes(b"abc")
+    video.write_bytes(b"def")
+    assert driver_of(str(video), track, named=True) == driver_of(None, track, named=True)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems' names are Unicode")
+def test_a_name_that_is_no_unicode_can_be_told(tmp_path: Path) -> None:
+    file = tmp_path / os.fsdecode(b"caf\xe9.mp4")
+    file.touch()
+    assert driver_of(str(file), None, named=True).name == "caf\ufffd.mp4"

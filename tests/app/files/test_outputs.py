@@ -64,6 +64,12 @@ def test_a_result_needs_a_name() -> None:
         plan_outputs(["a.mp4"], "", False)
 
 
+def test_names_of_any_length_are_looked_at(tmp_path: Path) -> None:
+    """A name that is too long for the disk fails when it is written, and stops no other result."""
+    for length in (244, 251, 300):
+        keep_inputs([tmp_path / f"{'n' * length}.mp4", tmp_path / "ok.mp4"], [tmp_path / "in.mp4"])
+
+
 def test_no_result_is_written_over_by_another(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"r\.mp4: two results would have this name"):
         keep_inputs([tmp_path / "r.mp4", None, tmp_path / "x" / ".." / "r.mp4"], [])

@@ -80,6 +80,33 @@ def test_a_container_that_says_when_pictures_are_decoded_loses_none(tmp_path: Pa
     assert source.left_out == 0
 
 
+@pytest.mark.parametrize("suffix", [".h264", ".avi"])
+def test_samples_have_the_times_that_the_frames_have(tmp_path: Path, suffix: str) -> None:
+    """Raw streams carry none, and AVI says when pictures are decoded."""
+    path = tmp_path / f"clip{suffix}"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for grey in range(0, 240, 8):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
+        container.mux(stream.encode())
+    source = open_source(str(path))
+    frames, samples = list(source.frames()), source.samples(5)
+    assert len(samples) == 5
+    for sample in samples:
+        same = frames[sample.number or 0]
+        assert sample.seconds == same.seconds
+        np.testing.assert_array_equal(sample.rgb, same.rgb)
+
+
+def test_large_photographs_are_scaled_down_as_videos_are(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "a.png"), np.zeros((100, 4000, 3), np.uint8))
+    scaled, whole = open_source(str(tmp_path)), open_source(str(tmp_path), longest_side=5000)
+    for source, size in ((scaled, (1920, 48)), (whole, (4000, 100))):
+        assert source.size == size
+        assert next(source.frames()).rgb.shape == source.samples(1)[0].rgb.shape == (size[1], size[0], 3)
+
+
 def test_pictures_whose_times_do_not_rise_are_counted(make_clip: Clip, tmp_path: Path) -> None:
     part = make_clip("part.ts").read_bytes()
     joined = tmp_path / "joined.ts"

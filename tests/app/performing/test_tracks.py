@@ -45,6 +45,13 @@ def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:
         assert pose.cut is pose0.cut
 
 
+@pytest.mark.parametrize("rate", [Fraction(1035000000, 34505743), Fraction(2**31 - 1, 2**31 - 2)])
+def test_it_is_of_any_rate_that_a_video_has(tmp_path: Path, rate: Fraction) -> None:
+    """The average of a long phone video has a clock's ticks above, and the ticks that it lasted below."""
+    save_track(replace(TRACK, rate=rate, time_base=Fraction(1, 10**9)), tmp_path / "t")
+    assert load_track(tmp_path / "t").rate == rate
+
+
 def tensors() -> dict[str, np.ndarray]:
     return {
         "pts": TRACK.pts,

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from gemheads.models.driver import points
@@ -55,6 +56,20 @@ def test_a_face_that_jumps_is_found_in_the_same_picture(tracker: FaceTracker, fr
     face = seen(tracker.track(moved))
     assert face.faces == 1
     assert face.box_px[0] > frame.shape[1]
+
+
+@pytest.mark.parametrize(("across", "down"), [(0.5, 0.5), (2.0, 2.0), (1.0, 0.8)])
+def test_a_face_is_followed_while_the_picture_changes_its_size(
+    tracker: FaceTracker, frames: Frames, across: float, down: float
+) -> None:
+    """Meetings and browsers record larger and smaller as the network allows."""
+    before = seen(tracker.track(frames[0]))
+    scaled = cv2.resize(frames[1], None, fx=across, fy=down, interpolation=cv2.INTER_AREA)
+    face = seen(tracker.track(np.asarray(scaled, np.uint8), before.box_px))
+    assert face.faces is None  # it was not looked for
+    here = np.divide(face.box_px, [across, down] * 2)
+    assert overlap(tuple(here), before.box_px) > 0.8
+    assert seen(tracker.track(frames[2], face.box_px)).faces is None
 
 
 def test_one_of_two_faces_is_locked_and_found_again(tracker: FaceTracker, frames: Frames) -> None:
