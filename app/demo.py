@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-from .errors import ExitCode, InputError
-from .library import DEMO_CLIP, find_avatar
+from .errors import ExitCode
+from .library import demo_clip, find_avatar
 from .performing.casting import open_avatar
 from .reenacting.reenact import reenact
 from .reenacting.wish import Wish
@@ -19,19 +19,18 @@ def run_demo(
 
     Raises CommandError.
     """
-    if not DEMO_CLIP.is_file():
-        raise InputError(f"{DEMO_CLIP}: the demo clip is missing; restore the folder assets/demo of the repository")
+    clip = str(demo_clip())
     path = find_avatar(avatar)
     learned = open_avatar(path).gem.regressor is not None
     driving = "learned" if learned else "baseline"
     wish = Wish(path, side_by_side=True, engine=engine, driving=driving, no_badge=no_badge, name_driver=True)
-    code = reenact([str(DEMO_CLIP)], out, wish)
+    code = reenact([clip], out, wish)
     if code is ExitCode.OK:
         print(f"Done: open {Path(out).resolve()}; the face of the clip is on the left, the avatar on the right.")
         if window and has_display():
             from .desk.command import live_command
 
-            return live_command(str(DEMO_CLIP), avatar, engine=engine)
+            return live_command(clip, avatar, engine=engine, no_badge=no_badge)
     return code
 
 

@@ -8,9 +8,18 @@ from .errors import InputError
 
 SHIPPED = Path(__file__).resolve().parent.parent / "assets" / "avatars"
 DEMO_CLIP = SHIPPED.parent / "demo" / "driver.mp4"
+REINSTALL = "reinstall gemheads (in a clone: git checkout assets)"
+"""The cure for a file that ships and is not there."""
 SUFFIX = ".gem"
 DEFAULT = "mara"
 """What is opened when nobody names one."""
+
+
+def demo_clip() -> Path:
+    """The clip of a face that ships. Raises InputError where the installation is broken."""
+    if not DEMO_CLIP.is_file():
+        raise InputError(f"{DEMO_CLIP}: the demo clip is missing; {REINSTALL}")
+    return DEMO_CLIP
 
 
 @dataclass(frozen=True)

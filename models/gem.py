@@ -17,6 +17,8 @@ CHANNELS = {"position": 3, "rotation": 4, "scale": 3, "opacity": 1}
 """C, the numbers per splat of each modality."""
 CLAMP_SIGMAS = 3.0
 """Coefficients stay within this many standard deviations (equation 4)."""
+AT_LIMIT = 0.98
+"""From this part of CLAMP_SIGMAS on a coefficient counts as clamped: a regressor's bend towards it, and never arrive."""
 _WORTHWHILE = 0.75
 """Share of a basis that moves above which reading all of it in one go is as fast."""
 MAX_SPLATS = 1_000_000
@@ -204,6 +206,11 @@ class Gem:
         """Coefficients [..., coefficients] within +-3 sigma."""
         limit = CLAMP_SIGMAS * self.sigma
         return np.clip(coefficients, -limit, limit).astype(np.float32)
+
+    def limit_share(self, coefficients: NDArray[np.floating]) -> float:
+        """Share of coefficients [coefficients] that are clamped, within 2 % of 3 sigma, in [0, 1]; 0 without any."""
+        reached = np.abs(coefficients) >= AT_LIMIT * CLAMP_SIGMAS * self.sigma
+        return int(np.count_nonzero(reached)) / max(1, self.coefficient_count)
 
     def arkit_coefficients(self, weights: NDArray[np.floating]) -> NDArray[np.float32]:
         """Coefficients [..., coefficients] of ARKit weights [..., 52]. ValueError where the avatar has no ARKit map."""

@@ -92,7 +92,7 @@ def demo(
         out: The video to write.
         avatar: Name of an avatar or a .gem file.
         engine: What draws; auto measures once and takes the faster.
-        window: Play the result in a window (closes with Esc or Ctrl+Q); only where there is a display.
+        window: Then open the live window with the same clip (Ctrl+Q quits); only where there is a display.
         no_badge: Leave the SYNTHETIC badge out, and why.
     """
     from ..credentials.reasons import read_reason

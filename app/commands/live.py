@@ -24,8 +24,8 @@ def live(
     Without a driver and a camera it plays a shipped performance until you choose. Press ? in the window for all keys.
 
     Args:
-        driver: A video, a folder of pictures, a track, demo, osc:PORT (VMC) or ifacialmocap:PORT; both
-            also as NAME:0.0.0.0:PORT, for what other devices send.
+        driver: A video, a folder of pictures, a track, osc:PORT (VMC) or ifacialmocap:PORT; both also as
+            NAME:0.0.0.0:PORT, for what other devices send. demo is the shipped clip, performance what plays at first.
         avatar: Name of an avatar or a .gem file. Default: the one of the last time.
         camera: Name of a camera, or a part of it; any is the one of the last time, or the first.
         components: How many components a modality to draw with; fewer is faster and coarser. Default: all.

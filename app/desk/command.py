@@ -10,6 +10,7 @@ from ...render.engines import EngineName, open_engine
 from ...render.software import SoftwareEngine
 from ...render.splats import SplatRenderer
 from ..errors import ExitCode, InputError
+from ..inputs.opening import check_input, open_input, plain_path
 from ..library import avatars, find_avatar
 from ..live import run_live
 from .actions import Order
@@ -19,6 +20,7 @@ from .remote import Remote, read_listen
 from .roster import Roster
 from .session import Session
 from .settings import load_settings, recalled, remembered, save_settings, settings_file
+from .sources import is_avatar
 from .state import DeskState, update
 from .window import DeskWindow
 
@@ -53,8 +55,12 @@ def live_command(
         welcome: show the card of the first run when neither driver nor camera is given.
 
     Raises:
-        CommandError: when an avatar is not there, a port cannot be listened on, or no window opens.
+        CommandError: when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
     """
+    driver = None if driver is None else plain_path(driver)
+    if driver is not None and not is_avatar(driver):
+        check_input(driver)
+        open_input(driver)  # a port that is none is told before a window opens
     file = settings_file()
     settings, complaint = load_settings(file)
     roster = opening_roster(avatar, settings.avatar)
@@ -65,6 +71,8 @@ def live_command(
         state = replace(state, components=components)
     try:
         desk = DeskWindow(settings.window)
+        if settings.window is None:
+            desk.grow(desk.content_scale)
     except NoOpenGLError as error:
         raise InputError(f"gemheads live: {error}") from error
     if "ui_scale" not in settings.wishes:

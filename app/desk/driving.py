@@ -6,13 +6,15 @@ from typing import Any
 from ..credentials.origin import origin_of
 from ..errors import CommandError
 from ..feed.capture import Capture
+from ..inputs import open_input
+from ..inputs.opening import DEMO, PERFORMANCE, check_input
 from ..inputs.source import Opener, Transport
 from ..performing.casting import Avatar
 from ..performing.shots import Health, Shot
 from ..person.tuning import GROUPS, Tuning
 from .actions import Order
 from .resting import NeutralTaking, kept, recalled
-from .sources import PERFORMANCE, CameraList, camera_named, demo, open_input
+from .sources import CameraList, camera_named
 from .state import DeskState
 
 Tell = Callable[[str, bool], None]
@@ -99,8 +101,9 @@ class Driving:
             self._capture.use(opener, name)
 
     def open(self, text: str) -> None:
-        """A file, a folder or a port as the source; what is wrong with the word is told."""
+        """A file, a folder or a port as the source; what is wrong with the word is told, and what plays goes on."""
         try:
+            check_input(text)
             self.use(open_input(text), text.rstrip("/\\").replace("\\", "/").rsplit("/", 1)[-1])
         except CommandError as error:
             self._tell(str(error), True)
@@ -113,10 +116,7 @@ class Driving:
 
     def open_demo(self) -> None:
         """The shipped clip."""
-        try:
-            self.use(*demo())
-        except CommandError as error:
-            self._tell(str(error), True)
+        self.use(open_input(DEMO), "The demo")
 
     def press(self, order: Order) -> None:
         """A button of the source; nothing happens where it has none."""

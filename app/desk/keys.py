@@ -65,6 +65,8 @@ def keymap(changes: Mapping[str, Sequence[str]] | None = None) -> Keymap:
     for action in (*own, *(action for action in ACTIONS if action.name not in changes)):
         defaults = action.keys
         wanted = changes.get(action.name, [key for key, _ in defaults])
+        for text in wanted[len(defaults) :]:
+            complaints.append(f"{action.title} takes {len(defaults)} of your keys; '{text}' is one too many.")
         for text, (_, value) in zip(wanted, defaults, strict=False):
             key = key_name(text)
             if key is None:

@@ -22,6 +22,7 @@ _FIXED = (
     | imgui.WindowFlags_.no_bring_to_front_on_focus.value
 )
 _FIXED |= imgui.WindowFlags_.no_background.value  # the ground is cleared once: filling it again costs llvmpipe 4 ms
+_FOOT = _FIXED | imgui.WindowFlags_.no_nav.value  # there is nothing in it to walk to
 _COLUMN = _FIXED & ~imgui.WindowFlags_.no_scrollbar.value
 _BEHIND = imgui.WindowFlags_.no_bring_to_front_on_focus.value | imgui.WindowFlags_.no_background.value
 _CARD = (_COLUMN & ~_BEHIND) | imgui.WindowFlags_.always_auto_resize.value
@@ -54,10 +55,11 @@ def laid_out(view: DeskView, width: float, height: float) -> Layout:
     )
 
 
-def covers(view: DeskView) -> bool:
+def covers(view: DeskView, layout: Layout) -> bool:
     """Whether anything lies over the picture, which then cannot be drawn without it."""
     state = view.state
     modes = (
+        _records_unseen(view, layout),
         state.welcome,
         state.help,
         state.prompt,
@@ -68,6 +70,11 @@ def covers(view: DeskView) -> bool:
         state.resting,
     )
     return any(modes) or notices.said(view)
+
+
+def _records_unseen(view: DeskView, layout: Layout) -> bool:
+    """Whether something is recorded while the panel that says so is out of sight."""
+    return view.state.record and layout.right is None
 
 
 class Panels:
@@ -89,7 +96,7 @@ class Panels:
         _column(
             "left",
             layout.left,
-            (avatars.avatars, avatars.components, middle, stage.stage, avatars.licence),
+            (avatars.avatars, avatars.components, middle, avatars.comparison, stage.stage, avatars.licence),
             view,
             ask,
             walks and not state.menu,
@@ -102,6 +109,8 @@ class Panels:
             notices.comparison(view, area)
         if state.resting:
             notices.countdown(view, area)
+        if _records_unseen(view, layout):
+            notices.recording(view, area)
         notices.notices(view, area)
         self._cards(view, ask, area)
         if state.menu:
@@ -111,16 +120,16 @@ class Panels:
 
     def _cards(self, view: DeskView, ask: Ask, area: Area) -> None:
         state = view.state
-        if state.help or state.prompt or state.asking_reason:
+        if state.help or state.writing:
             screen = imgui.get_io().display_size
             shade = packed(theme.GROUND, 0.6)
             imgui.get_background_draw_list().add_rect_filled(imgui.ImVec2(0, 0), screen, shade)
-        if state.help:
-            _card("help", help.WIDTH, help.keys_help, view, ask, area)
-        elif state.prompt:
+        if state.prompt:  # what is typed into comes first, and goes first with Esc
             _card("prompt", prompt.WIDTH, self._prompt.draw, view, ask, area)
         elif state.asking_reason:
             _card("reason", reason.WIDTH, self._reason.draw, view, ask, area)
+        elif state.help:
+            _card("help", help.WIDTH, help.keys_help, view, ask, area)
         elif state.curve:
             _card("curve", curve.WIDTH, curve.curve, view, ask, area)
         elif state.welcome:
@@ -134,7 +143,7 @@ def _column(name: str, area: Area | None, parts: tuple[Panel, ...], view: DeskVi
     imgui.set_next_window_size(imgui.ImVec2(area.width, area.height))
     if focus:
         imgui.set_next_window_focus()
-    imgui.begin(name, None, _FIXED if name == "foot" else _COLUMN)
+    imgui.begin(name, None, _FOOT if name == "foot" else _COLUMN)
     for part in parts:
         part(view, ask)
     imgui.end()

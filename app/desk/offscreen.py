@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...render.contexts import offscreen_context
 from .actions import Order
-from .keys import Keymap, keymap
+from .keys import RESERVED, Keymap, keymap
 from .screen import Screen, dropped
 from .view import DeskView
 
@@ -26,6 +26,7 @@ class DeskOffscreen:
         self._target = self.context.simple_framebuffer(size, 4)
         self._screen = Screen(self.context)
         self._orders: list[Order] = []
+        self._writing = False
         self._released: imgui.Key | None = None
         self.clean_picture: NDArray[np.uint8] | None = None
         self.shown = 0
@@ -44,7 +45,7 @@ class DeskOffscreen:
         inputs = imgui.get_io()
         inputs.display_size = imgui.ImVec2(*self.size)
         inputs.delta_time = FRAME_SECS
-        self.keymap = view.keymap
+        self.keymap, self._writing = view.keymap, view.state.writing
         with self.context:  # whoever drew in it or read from it has let it go
             if picture is not None:
                 self._screen.put(picture)
@@ -76,7 +77,8 @@ class DeskOffscreen:
 
     def press(self, key: str) -> None:
         """Type a key by its name, such as ``Ctrl+Q``."""
-        order = None if self._screen.typing else self.keymap.order(key)
+        typing = (self._writing or self._screen.typing) and key not in RESERVED
+        order = None if typing else self.keymap.order(key)
         self._orders += [order] if order is not None else []
 
     def point(self, x: float, y: float, down: bool | None = None) -> None:

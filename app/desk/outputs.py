@@ -51,7 +51,7 @@ class Outputs:
 
     def picture(self) -> None:
         """Save the next picture."""
-        self.fan.start(PICTURE, lambda: Snapshot(self._folder()), once=True, filing=True)
+        self.fan.start(PICTURE, lambda: Snapshot(self._folder(), self._size), once=True, filing=True)
 
     def lines(self) -> tuple[OutputLine, ...]:
         """How each does."""
@@ -61,6 +61,7 @@ class Outputs:
                 (report.text or report.phase).replace(str(Path.home()), "~"),
                 report.drops,
                 report.phase == "failed",
+                report.phase in ("failed", "done"),
             )
             for report in self.fan.reports()
         )

@@ -49,7 +49,7 @@ class Screen:
         self._canvas = Canvas(context)
         self._state: DeskState | None = None
         self._shown: Area | None = None
-        self._covered = False
+        self._covered = self._cramped = False
         self._panels_at = float("-inf")
         self.orders: list[Order] = []
 
@@ -86,9 +86,11 @@ class Screen:
         size, now = size or target.size, time.perf_counter()
         touched = self._canvas.fit(size) or touched
         layout = laid_out(view, size[0] / density, size[1] / density)
+        self._tell_of_room(view.state.panels and layout.left is None)
         shown = layout.picture.fitted(*self._size) if self._size is not None else None
         alike = view.state == self._state and shown == self._shown
-        fresh = not alike or touched or self._covered or now - self._panels_at >= PANELS_EVERY or covers(view)
+        over = covers(view, layout)
+        fresh = not alike or touched or self._covered or now - self._panels_at >= PANELS_EVERY or over
         if fresh:
             self._state, self._shown, self._panels_at = view.state, shown, now
             if self.kept:
@@ -96,7 +98,7 @@ class Screen:
             else:
                 self._canvas.use()
             self._draw_panels(view, layout, shown, size, begin, density)
-        place = shown.scaled(density) if shown is not None and not (self._covered or covers(view)) else None
+        place = shown.scaled(density) if shown is not None and not (self._covered or over) else None
         if self.kept:
             target.use()
         else:
@@ -130,7 +132,7 @@ class Screen:
         imgui.render()
         self._context.viewport = (0, 0, *size)
         self._context.clear(*theme.GROUND)
-        if shown is not None and (self._covered or covers(view)):
+        if shown is not None and (self._covered or covers(view, layout)):
             self._picture.draw(shown.scaled(density), size, view.state.mirror)
         imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
 
@@ -141,6 +143,12 @@ class Screen:
         imgui.backends.opengl3_shutdown()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._gui)
+
+    def _tell_of_room(self, cramped: bool) -> None:
+        """Say once that panels that are wanted have no room."""
+        if cramped and not self._cramped:
+            self.orders.append(Order("no_room"))
+        self._cramped = cramped
 
     def _ask(self, name: str, value: float | str | None) -> None:
         self.orders.append(Order(name, value))
@@ -154,13 +162,15 @@ class Screen:
         inputs, state = imgui.get_io(), view.state
         if not inputs.mouse_down[0]:
             self._held = ""
-        if inputs.want_capture_mouse and not self._held:
+        if (inputs.want_capture_mouse and not self._held) or state.writing or state.help:
             return
         x, y = inputs.mouse_pos.x, inputs.mouse_pos.y
         if imgui.is_mouse_clicked(0) and area.holds(x, y):
             line = None if shown is None else shown.left + shown.width * state.split
             near = state.compare and line is not None and abs(x - line) < GRIP_PX * self._scale
             self._held = "split" if near else "orbit"
+            if not near:
+                return  # what the pointer moved until now was before the button went down
         if self._held == "split" and shown is not None:
             self.orders.append(Order("split", (x - shown.left) / shown.width))
         elif self._held == "orbit" and (inputs.mouse_delta.x or inputs.mouse_delta.y):

@@ -7,9 +7,12 @@ from pathlib import Path
 
 from ...render.engines import Engine
 from ..errors import brief
+from ..inputs.opening import plain_path
 from ..performing.casting import Avatar
+from ..performing.ladder import Quality
 from .actions import Order
 from .driving import Driving
+from .explore import sweep
 from .gauges import Gauges
 from .keys import Keymap
 from .loader import Refused
@@ -28,6 +31,13 @@ REPEAT_SECS = 0.25
 """Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
 so do sound and the safety of a recording."""
 TRANSPORT = ("play", "step", "seek")
+STILL_SECS = 0.5
+"""Without another shot for so long nothing moves, and there is time for a whole picture."""
+SAVING_SECS = 1.0
+"""For so long pictures are drawn whole after one was asked for: the next one that comes is saved."""
+LADDER_OFF = "Quality stays as it is, however slow the machine."
+NO_FACE = "There is no picture to take a face at rest from: choose your camera, a video or pictures first."
+NO_ROOM = "The window is too narrow for the panels: make it wider, or letters smaller (Ctrl+-). F10 is the menu."
 
 
 class Session:
@@ -63,6 +73,8 @@ class Session:
         self.stage = OnStage(roster, engine, size, self.gauges, warm)
         self._toasts: list[tuple[float, Toast]] = []
         self._shown_at, self._lowered = 0.0, ""
+        self._ended: dict[str, str] = {}
+        self._shot_at = self._whole_until = float("-inf")
         for complaint in keymap.conflicts:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
@@ -93,6 +105,7 @@ class Session:
             self.stage.await_shot(answer, now)
         for order in self.outputs.settle(self.state):
             self.obey(order)
+        self._tell_of_outputs()
         every = self.gauges.quality(self._components).detector_every
         if self.stage.avatar is not None and self.driving.settle(
             self.state, every, self.stage.avatar, self.stage.shot, now
@@ -110,10 +123,12 @@ class Session:
         if not self.stage.free or (beside and self.stage.bound):
             return
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
+        if shot is not None:
+            self._shot_at = now
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
         every = REPEAT_SECS if self.outputs.fan.listening else float("inf")
-        self.stage.draw(self.state, self.gauges.quality(self._components), shot, now, every)
+        self.stage.draw(self.state, self._quality(now), shot, now, every)
 
     def drawn(self) -> Drawn | None:
         """The picture that was begun, once, when it is done; nothing of the avatar where the curtain fell meanwhile."""
@@ -158,6 +173,7 @@ class Session:
             curve=stage.curve,
             rest=driving.neutral.told(),
             outputs=self.outputs.lines(),
+            swept=sweep(now),
             toasts=tuple(toast for _, toast in self._toasts[-3:]),
             error_db=stage.error_db if self.state.compare else None,
         )
@@ -172,6 +188,14 @@ class Session:
             self._toasts = [(until, toast) for until, toast in self._toasts if toast.topic != topic]
         self._toasts.append((time.perf_counter() + TOAST_SECS, Toast(words, alarm, topic)))
 
+    def _tell_of_outputs(self) -> None:
+        """What came of them, once, wherever their panel is: it may be out of sight."""
+        for line in self.outputs.lines():
+            words = f"{line.name}: {line.status}" if line.over else ""
+            if words and words != self._ended.get(line.name):
+                self.tell(f"{words.rstrip('.')}.", alarm=line.failed, topic=line.name)
+            self._ended[line.name] = words
+
     def close(self) -> None:
         """End everything, in under a second."""
         self.driving.close()
@@ -179,6 +203,12 @@ class Session:
         self.stage.close()
         if self.remote is not None:
             self.remote.close()
+
+    def _quality(self, now: float) -> Quality:
+        """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is."""
+        still = now - self._shot_at > STILL_SECS and not (self.state.exploring.on and self.state.exploring.sweep)
+        whole = still or now < self._whole_until
+        return Quality(self._components) if whole else self.gauges.quality(self._components)
 
     @property
     def _components(self) -> int:
@@ -205,12 +235,25 @@ class Session:
         elif name == "relock":
             self.driving.relock()
         elif name == "picture":
+            self._whole_until = time.perf_counter() + SAVING_SECS
             self.outputs.picture()
+        elif name == "neutral" and self.state.resting and not self.driving.health.pictured:
+            self.state = replace(self.state, resting=False)
+            self.tell(NO_FACE, topic="neutral")
+        elif name == "ladder":
+            kept = "Pictures are lowered when the machine is slow." if self.state.ladder else LADDER_OFF
+            self.tell(kept, topic="quality")
+        elif name == "no_room":
+            self.tell(NO_ROOM, topic="room")
 
     def _open(self, words: str) -> None:
         """An avatar or a source, by whatever somebody typed or sent."""
+        words = plain_path(words)
         try:
-            self.stage.call(Path(words).expanduser()) if is_avatar(words) else self.driving.open(words)
+            if is_avatar(words):
+                self.stage.call(Path(words).expanduser())
+            else:
+                self.driving.open(words)
         except (OSError, RuntimeError, ValueError) as error:  # nobody's home, too long a name, a NUL in it
             self.tell(f"{brief(words)}: no path that can be opened ({brief(error)}).", alarm=True)
 

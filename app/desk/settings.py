@@ -13,8 +13,6 @@ from .actions import Order
 from .state import DeskState, update
 
 MAX_BYTES = 64 * 1024
-WINDOW = (1280, 800)
-"""Width and height of the first run's window, in screen units."""
 SMALLEST, LARGEST = 320, 16384
 REMEMBERED = (
     "mirror",
@@ -46,7 +44,8 @@ class Settings:
     """Name or path; empty for the first shipped one."""
     camera: str = ""
     """The camera's name; it is only ever opened when asked for."""
-    window: tuple[int, int] = WINDOW
+    window: tuple[int, int] | None = None
+    """Width and height in screen units; None at the first run."""
     keys: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Action -> the keys a person gave it; what is no action is kept, too, and the keymap complains of it."""
 
@@ -73,7 +72,7 @@ def load_settings(path: Path) -> tuple[Settings, str]:
 
 def save_settings(settings: Settings, path: Path) -> str:
     """Write them whole; one sentence when that fails, else an empty one."""
-    window = {"width": settings.window[0], "height": settings.window[1]}
+    window = {} if settings.window is None else {"width": settings.window[0], "height": settings.window[1]}
     sections = {
         "desk": {**settings.wishes, "avatar": settings.avatar, "camera": settings.camera},
         "window": window,
@@ -116,7 +115,7 @@ def _checked(read: Mapping[str, object]) -> Settings:
         for name, theirs in keys.items()
     }
     avatar, camera = (value if isinstance(value := desk.get(name, ""), str) else "" for name in ("avatar", "camera"))
-    return Settings(wishes, avatar, camera, (size[0], size[1]) if fits else WINDOW, own)  # pyright: ignore
+    return Settings(wishes, avatar, camera, (size[0], size[1]) if fits else None, own)  # pyright: ignore
 
 
 def _table(read: Mapping[str, object], name: str) -> Mapping[str, object]:

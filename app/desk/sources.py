@@ -1,16 +1,13 @@
-"""From a word to the source behind it: a camera by name, the demo, a file, a port."""
+"""Cameras by name, and which files are avatars."""
 
 import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from ..errors import InputError
-from ..inputs import CameraChoice, cameras, open_camera, open_input
+from ..inputs import CameraChoice, cameras, open_camera
 from ..inputs.source import LiveSource, Opener, SourceLost
-from ..library import DEMO_CLIP, SUFFIX
+from ..library import SUFFIX
 
-PERFORMANCE = "demo"
-"""The shipped performance, which needs no tracking: what plays before anything is chosen."""
 LOOK_SECS = 4.0
 """How often the list of cameras is brought up to date."""
 
@@ -66,13 +63,6 @@ def _fitting(found: list[CameraChoice], name: str) -> CameraChoice | None:
         lambda other: name.startswith(f"{other}, "),
     )
     return next((camera for fit in fits for camera in found if fit(camera.name)), None)
-
-
-def demo() -> tuple[Opener, str]:
-    """The shipped clip of a face, tracked like any video. Raises InputError when it is missing."""
-    if not DEMO_CLIP.is_file():
-        raise InputError(f"{DEMO_CLIP}: the demo clip is missing; restore the folder assets/demo")
-    return open_input(str(DEMO_CLIP)), "The demo"
 
 
 def is_avatar(text: str) -> bool:

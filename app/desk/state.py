@@ -113,13 +113,18 @@ class DeskState:
         return self.walk or self.menu
 
     @property
+    def writing(self) -> bool:
+        """Whether a card with a line to type into is open: letters are for that alone, wherever the pointer clicked."""
+        return self.prompt or self.asking_reason
+
+    @property
     def used_components(self) -> int:
         """How many components a modality are shown."""
         return self.limits.components if self.components is None else min(self.components, self.limits.components)
 
 
 SWITCHES = frozenset(
-    "compare error_map curve loop head_pose mirror curtain record microphone virtual_camera camera_badge clean_window"
+    "compare curve loop head_pose mirror curtain record microphone virtual_camera camera_badge clean_window"
     " coefficients panels figures ladder walk menu full_screen help".split()
 )
 RANGES: dict[str, tuple[float, float]] = {
@@ -231,6 +236,12 @@ def _explored_component(state: DeskState, order: Order) -> DeskState:
     return replace(state, exploring=replace(state.exploring, component=component))
 
 
+def _error_map(state: DeskState, order: Order) -> DeskState:
+    """It is seen in the comparison, which it brings along."""
+    on = _switched(state.compare and state.error_map, order.value)
+    return replace(state, error_map=on, compare=state.compare or on)
+
+
 def _sigma(state: DeskState, order: Order) -> DeskState:
     exploring = state.exploring
     place = (exploring.modality, exploring.component)
@@ -270,6 +281,7 @@ _RULES: dict[str, Callable[[DeskState, Order], DeskState]] = {
     "explored_modality": _explored_modality,
     "explored_component": _explored_component,
     "sigma": _sigma,
+    "error_map": _error_map,
     "badge": _badge,
     "unexplore": lambda state, _: replace(state, exploring=replace(state.exploring, sigmas=(), sweep=False)),
     "frame": lambda state, _: replace(state, zoom=1.0),

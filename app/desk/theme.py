@@ -100,6 +100,8 @@ def dress(scale: float) -> None:
         "plot_histogram": ACCENT,
         "plot_lines": ACCENT,
         "nav_cursor": ACCENT,
+        "nav_windowing_highlight": ACCENT,
+        "nav_windowing_dim_bg": (0, 0, 0, 0),
         "text_selected_bg": (*ACCENT[:3], 0.35),
         "table_border_light": LINE,
         "modal_window_dim_bg": (0, 0, 0, 0.45),

@@ -97,6 +97,8 @@ class OutputLine:
     status: str
     drops: int = 0
     failed: bool = False
+    over: bool = False
+    """Whether this is its last word."""
 
 
 @dataclass(frozen=True)
@@ -120,5 +122,7 @@ class DeskView:
     rest: Rest = field(default_factory=Rest)
     outputs: tuple[OutputLine, ...] = ()
     toasts: tuple[Toast, ...] = ()
+    swept: float = 0.0
+    """Where the sweep of the explored component is, in sigma."""
     error_db: float | None = None
     """PSNR of the comparison on screen."""

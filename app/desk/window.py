@@ -17,6 +17,8 @@ from .screen import Screen, dropped
 from .view import DeskView
 
 TITLE = "gemheads"
+FIRST = (1280, 800)
+"""Width and height of the first run's window, in screen units of a desktop that draws as large as usual."""
 SMALLEST = (360, 300)
 NAMES = {
     glfw.KEY_ESCAPE: "Esc",
@@ -45,12 +47,13 @@ WALKING = frozenset(("Space", "Enter", "Tab", "Left", "Right", "Up", "Down", "Ho
 class DeskWindow:
     """A glfw window. Everything happens in the thread that made it."""
 
-    def __init__(self, size: tuple[int, int] = (1280, 800), title: str = TITLE) -> None:
-        """``size``: width and height in screen units. Raises contexts.NoOpenGLError where no window opens."""
-        self._window, self.context = window_context(*size, title)
+    def __init__(self, size: tuple[int, int] | None = None) -> None:
+        """``size``: width and height in screen units, FIRST unless given. Raises contexts.NoOpenGLError where no window
+        opens."""
+        self._window, self.context = window_context(*(size or FIRST), TITLE)
         self.keymap: Keymap = keymap()
         self._orders: list[Order] = []
-        self._walking = False
+        self._walking = self._writing = False
         self._modifiers = 0
         self._repeated = False
         self._touched = self._open = True
@@ -85,6 +88,13 @@ class DeskWindow:
         """How much larger than usual the person's desktop draws; 1 where screen units take care of that."""
         return glfw.get_window_content_scale(self._window)[0] * self.size[0] / max(1, self._pixels[0])
 
+    def grow(self, factor: float) -> None:
+        """Be so many times as large, as far as the screen goes."""
+        monitor = glfw.get_primary_monitor()
+        room = glfw.get_monitor_workarea(monitor)[2:] if monitor else self._size
+        size = [max(now, min(round(factor * now), most)) for now, most in zip(self._size, room, strict=True)]
+        glfw.set_window_size(self._window, *size)
+
     @property
     def visible(self) -> bool:
         """Whether anybody can see it: not while minimised."""
@@ -110,7 +120,7 @@ class DeskWindow:
 
     def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None:
         """Draw a frame and swap; ``picture`` [H, W, 3|4] stays until another one comes. Nothing while minimised."""
-        self.keymap, self._walking = view.keymap, view.state.walking
+        self.keymap, self._walking, self._writing = view.keymap, view.state.walking, view.state.writing
         glfw.make_context_current(self._window)  # an engine that drew in it has let it go
         if picture is not None:
             self._screen.put(picture)
@@ -216,7 +226,10 @@ class DeskWindow:
     def _press(self, name: str, modifiers: int) -> None:
         held = {"Ctrl": glfw.MOD_CONTROL, "Shift": glfw.MOD_SHIFT, "Alt": glfw.MOD_ALT}
         key = "+".join([*(word for word, bit in held.items() if modifiers & bit), name])
-        if (self._screen.typing and key not in RESERVED) or (self._walking and key in WALKING):
+        typing = self._writing or self._screen.typing
+        if typing and (key not in RESERVED or (key == "Esc" and not self._writing)):
+            return  # Esc belongs to a number that is being typed, too
+        if self._walking and key in WALKING:
             return
         order = self.keymap.order(key, self._repeated)
         if order is not None:

@@ -223,6 +223,7 @@ class Loop:
             drops=(link.drops if link else 0) + self.shots.dropped - self._dropped_before,
             rate=self._rate(now),
             source=link.name if link else "",
+            pictured=link is not None and link.pictured,
             hints=acting.hints.sentences if phase in ("tracking", "hold") else (),
             rejected=(link.rejected if link else 0) + self._failed + acting.unusable,
             neutral=acting.settling.reason,

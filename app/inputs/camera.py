@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from ..performing.mailbox import Mailbox
 from .source import Kind, LiveSource, Opener, SourceLost, TimedFrame
+from .vigil import FIRST_SECS, GONE_SECS
 
 MICROSECOND = Fraction(1, 1_000_000)
-SILENT_SECS = 1.0
-"""A camera that gives no picture for so long, though it answers, is gone."""
 BY_PLACE = Path("/dev/v4l/by-path")
 _PAUSE_SECS = 0.01
 _BY_WIRE = (640, 480)
@@ -150,15 +149,16 @@ class Camera:
 
     def _run(self) -> None:
         started = good = self._clock()
+        patience = FIRST_SECS
         try:
             while not self._stopped.is_set():
                 picture = self._picture()
                 now = self._clock()
                 if picture is not None:
-                    good = now
+                    good, patience = now, GONE_SECS
                     pts = round((now - started) / MICROSECOND)
                     self._box.put(TimedFrame(picture, pts, MICROSECOND, delivered=now))
-                elif now - good > SILENT_SECS:
+                elif now - good > patience:
                     raise SourceLost(
                         f"{self.name} went away.", "Plug it in again; it is used as soon as it is there.", True
                     )

@@ -12,7 +12,7 @@ from ...models.driver.features import feature_vector, head_rotation, relative_ro
 from ..errors import NoFaceError
 from ..files.sources import Source, open_source
 from ..library import DEMO_CLIP
-from ..performing.weights import DEMO, WeightsTrack, save_weights
+from ..performing.weights import SHIPPED, WeightsTrack, save_weights
 from ..person.neutrals import AUTO, find_neutral
 
 NAME = "Demo performance"
@@ -61,7 +61,7 @@ def _closed(values: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
 def main() -> None:
     """Make it, and say what came out."""
     given = [Path(word) for word in sys.argv[1:3]]
-    clip, out = given[0] if given else DEMO_CLIP, given[1] if len(given) > 1 else DEMO
+    clip, out = given[0] if given else DEMO_CLIP, given[1] if len(given) > 1 else SHIPPED
     track = weights_of(open_source(str(clip)), FaceTracker())
     save_weights(track, out)
     strongest = track.weights.max(0)

@@ -56,6 +56,13 @@ class Link:
         self._past_drops = self._past_rejected = 0
 
     @property
+    def pictured(self) -> bool:
+        """Whether it shows pictures, or may once it is open."""
+        if self.source is None:
+            return self.state.phase != "over"
+        return self.source.kind not in ("track", "weights")
+
+    @property
     def drops(self) -> int:
         """Frames that a newer one replaced, over all openings."""
         return self._past_drops + (self.source.drops if self.source else 0)
@@ -170,5 +177,5 @@ def _as_lost(error: Exception, name: str) -> SourceLost:
     if isinstance(error, SourceLost):
         return error
     if isinstance(error, CommandError):
-        return SourceLost(str(error), "Choose another source.", False)
+        return SourceLost(f"{str(error).rstrip('.')}.", "Choose another source.", False)
     return SourceLost(f"{name} cannot be opened ({error}).", f"Choose another source. {_DEMO}", False)

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..library import REINSTALL
 from ..performing.tracks import Track, load_track
-from ..performing.weights import DEMO, WeightsTrack, is_weights, load_weights
+from ..performing.weights import SHIPPED, WeightsTrack, is_weights, load_weights
 from .player import Player
 from .source import Delivery, PoseFrame, WeightsFrame
 
@@ -20,11 +21,11 @@ def open_track(path: Path, clock: Clock = time.perf_counter) -> Player:
     return play_weights(load_weights(path), clock) if is_weights(path) else play_track(load_track(path), clock)
 
 
-def open_demo(clock: Clock = time.perf_counter) -> Player:
+def open_performance(clock: Clock = time.perf_counter) -> Player:
     """The performance that ships. Raises InputError where the installation is broken."""
-    if not DEMO.is_file():
-        raise InputError(f"{DEMO}: the demo performance is missing; reinstall gemheads")
-    return play_weights(load_weights(DEMO), clock)
+    if not SHIPPED.is_file():
+        raise InputError(f"{SHIPPED}: the performance that ships is missing; {REINSTALL}")
+    return play_weights(load_weights(SHIPPED), clock)
 
 
 def play_weights(track: WeightsTrack, clock: Clock = time.perf_counter) -> Player:

@@ -29,8 +29,9 @@ class VideoPlayer:
     kind: Kind = "video"
     rejected = 0
 
-    def __init__(self, path: Path, clock: Callable[[], float] = time.perf_counter) -> None:
-        self.name = path.name
+    def __init__(self, path: Path, clock: Callable[[], float] = time.perf_counter, name: str = "") -> None:
+        """``name``: what people call it; the file's own unless given."""
+        self.name = name or path.name
         self._path, self._clock = path, clock
         self.drops = 0
         self._open()

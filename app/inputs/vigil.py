@@ -10,6 +10,8 @@ STALE_SECS = 1.0
 """A camera that sends nothing for so long has stalled ..."""
 FIRST_SECS = 5.0
 """... but before its first picture it may take this long to wake up."""
+GONE_SECS = 0.8
+"""A camera that answers that it has nothing for so long was unplugged: that is known before it counts as stalled."""
 MOST_SAME = 15
 """So many pictures in a row, all the same to the last bit: no sensor does that, its driver hangs."""
 _EVERY = 7

@@ -38,7 +38,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
     try:
-        from ...models.train.synthesis.fit import THOROUGH, limit_share
+        from ...models.train.synthesis.fit import THOROUGH
         from ...models.train.synthesis.fitcapture import ALONE, fit_moments
     except ImportError as error:
         raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
@@ -55,7 +55,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
         try:
             for moment in fit_moments(cast.gem, footage, shots, THOROUGH if wish.thorough else ALONE):
                 fit = moment.fit
-                share = limit_share(cast.gem, fit.coefficients)
+                share = cast.gem.limit_share(fit.coefficients)
                 poses[moment.timestep] = Pose(fit.coefficients, fit.pose.turn, clamped=share, translation=fit.pose.move)
                 quality.append(fit.psnr)
                 seconds.append(fit.seconds)

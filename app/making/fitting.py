@@ -151,13 +151,13 @@ class _Fitter:
             raise InputError(f"{self._avatar}: cannot be fitted: {error}") from error
 
     def _kept(self, frame: Frame, rgb: NDArray[np.uint8], found: "Fit") -> Fitted:
-        from ...models.train.synthesis.fit import error_map, limit_share
+        from ...models.train.synthesis.fit import error_map
 
         if found.psnr < self._least:
             self._least = found.psnr
             drawn = np.round(255 * np.clip(found.pictures[0], 0, 1)).astype(np.uint8)
             self.worst = np.concatenate([rgb, drawn, error_map(found.pictures[0], rgb)], 1)
-        share = limit_share(self._gem, found.coefficients)
+        share = self._gem.limit_share(found.coefficients)
         pose = Pose(found.coefficients, found.pose.turn, clamped=share, translation=found.pose.move)
         return Fitted(frame.pts, pose, found.psnr, found.seconds)
 

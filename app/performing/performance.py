@@ -20,7 +20,7 @@ class Pose:
     faces: int = 1
     """Faces in the picture, as last counted; 0 when none is followed."""
     clamped: float = 0.0
-    """Share of coefficients at their limit of 3 sigma, in [0, 1]."""
+    """``Gem.limit_share`` of the coefficients."""
     cut: bool = False
     """Whether another scene begins here."""
     translation: NDArray[np.float32] = field(default_factory=lambda: np.zeros(3, np.float32))

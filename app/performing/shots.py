@@ -89,5 +89,7 @@ class Health:
     """Which face counts as the driver's at rest, and why it was chosen; empty before there is one."""
     settled: bool = False
     """Whether that choice is final; until then it follows a provisional one."""
+    pictured: bool = False
+    """Whether the source shows pictures, or may when it is open: in them a neutral can be taken."""
     serial: int = 0
     """Which source this is about: rises by one with each that is chosen."""

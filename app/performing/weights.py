@@ -15,7 +15,7 @@ from ..files.tensorfile import read_json, read_ratio, read_tensor_file
 
 FORMAT = "gemheads-weights"
 VERSION = 1
-DEMO = Path(__file__).resolve().parents[2] / "assets" / "demo" / "performance.safetensors"
+SHIPPED = Path(__file__).resolve().parents[2] / "assets" / "demo" / "performance.safetensors"
 """The performance that ships."""
 MAX_BYTES = 2**28
 MAX_TURN = 1.6

@@ -25,8 +25,6 @@ TURN_FILTER = OneEuro(min_cutoff_hz=2.0, beta=10.0, together=True)
 MISREAD_FILTER = OneEuro(min_cutoff_hz=2.0, beta=0.0)
 """On what is taken off the rotation because an expression only seems to turn the head, in radians: the expression is
 shown no faster, and what trembles in it shall not make the head tremble."""
-AT_LIMIT = 0.98 * 3.0
-"""Coefficients beyond this many sigma count as clamped."""
 TURNED_DEG = (30.0, 45.0)
 """Between these turns of the head the expression fades, because the tracker sees less and less of the face ..."""
 TURNED_GAIN = 0.5
@@ -151,7 +149,7 @@ def take_on(actor: Actor, memory: Memory, answer: Answer, dt: float) -> Memory:
         shown_turn=smooth_turn.value * actor.turn_gain,
         misread=misread,
         translation=np.zeros(3, np.float32),
-        clamped=np.count_nonzero(np.abs(coefficients) >= AT_LIMIT * actor.gem.sigma) / max(1, len(coefficients)),
+        clamped=actor.gem.limit_share(coefficients),
     )
 
 

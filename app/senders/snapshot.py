@@ -12,6 +12,7 @@ from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
 from ..credentials.statement import Driver, Statement
 from ..errors import OutputError
+from .fitting import Size, fitted
 from .outlet import Image, Shown
 
 STEM = "gemheads"
@@ -20,9 +21,9 @@ STEM = "gemheads"
 class Snapshot:
     """An outlet that saves each picture it gets under the next free number."""
 
-    def __init__(self, folder: Path) -> None:
-        """Raises OutputError when the folder cannot be made."""
-        self._folder, self._signer = folder, open_signer()[0]
+    def __init__(self, folder: Path, size: Size) -> None:
+        """``size``: width and height in pixels. Raises OutputError when the folder cannot be made."""
+        self._folder, self._size, self._signer = folder, size, open_signer()[0]
         self.status = "waiting for a picture"
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -31,7 +32,9 @@ class Snapshot:
 
     def send(self, shown: Shown) -> None:
         """Write a picture."""
-        picture = shown.picture if shown.marks.no_badge else badged(shown.picture)
+        # a slow machine draws smaller pictures meanwhile
+        picture = fitted(shown.picture, self._size, None if shown.picture.shape[2] == 4 else (0, 0, 0))
+        picture = picture if shown.marks.no_badge else badged(picture)
         origins = (shown.origin,) if shown.origin is not None else ()
         papers = Papers(self._signer, Statement(origins, Driver("live"), shown.marks.no_badge))
         path = save_picture(picture, self._folder, papers.signed_png)

@@ -19,9 +19,10 @@ def avatars(view: DeskView, ask: Ask) -> None:
         chosen = index == view.on_stage and not view.loading
         size = imgui.ImVec2(0, imgui.get_frame_height())
         imgui.push_style_var(imgui.StyleVar_.selectable_text_align, imgui.ImVec2(0, 0.5))
-        pressed, _ = imgui.selectable(f"{number}   {name.capitalize()}##{index}", chosen, 0, size)
+        pressed, _ = imgui.selectable(f"{number}   {_titled(name)}##{index}", chosen, 0, size)
         imgui.pop_style_var()
-        hint(view, "avatar")
+        if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip.value):
+            imgui.set_tooltip(name)  # whole, where the column cuts it
         if pressed:
             ask("avatar", float(index + 1))
     if view.loading:
@@ -76,22 +77,29 @@ def modalities(view: DeskView, ask: Ask) -> None:
     button(view, ask, "curve", "Curve", width=width, lit=state.curve)
     imgui.same_line()
     button(view, ask, "explore", "Explore", width=width, lit=state.exploring.on)
-    if state.compare:
-        switch(view, ask, "error_map", "Error map", state.error_map)
+
+
+def comparison(view: DeskView, ask: Ask) -> None:
+    """Left column, while A and B are compared: where they differ and by how much."""
+    if view.state.compare:
+        switch(view, ask, "error_map", "Error map", view.state.error_map)
         if view.error_db is not None:
             at_right("identical" if view.error_db > 99 else f"{view.error_db:.1f} dB")
-        dial(view, ask, "split", "Split", state.split, 0, 1, "%.2f")
+        dial(view, ask, "split", "Split", view.state.split, 0, 1, "%.2f")
 
 
 def licence(view: DeskView, ask: Ask) -> None:
     """Left column, at its foot: whose face this is."""
     rule(view)
     about = view.avatar.about
-    heading(
-        view.avatar.name.capitalize() or "No avatar", f"{view.avatar.splats:,} splats" if view.avatar.splats else ""
-    )
+    heading(_titled(view.avatar.name) or "No avatar", f"{view.avatar.splats:,} splats" if view.avatar.splats else "")
     for name in ("licence", "consent", "author"):
         if words := plain(about.get(name, "")).strip():
             faint(f"{name.capitalize()}: {words}")
         elif name == "consent" and view.avatar.name:
             text(f"{NO_CONSENT.capitalize()}.", theme.WARNING)
+
+
+def _titled(name: str) -> str:
+    """Its first letter in capitals; what else is in capitals was meant so."""
+    return name[:1].upper() + name[1:]

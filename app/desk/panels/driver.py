@@ -8,6 +8,7 @@ from ..view import DeskView
 from .controls import (
     Ask,
     at_right,
+    bar,
     button,
     columns,
     dial,
@@ -139,9 +140,11 @@ def _transport(view: DeskView, ask: Ask) -> None:
     assert transport is not None
     button(view, ask, "play", "Pause" if transport.playing else "Play", float(not transport.playing), columns(4))
     imgui.same_line()
-    imgui.set_next_item_width(-1)
-    minutes = "%.1f s"
-    changed, after = imgui.slider_float("##seek", transport.position, 0.0, max(0.1, transport.duration), minutes)
+    place = f"{transport.position:.1f} of {transport.duration:.1f} s"
+    width = imgui.get_content_region_avail().x - imgui.calc_text_size(place).x - imgui.get_style().item_spacing.x
+    changed, after = bar("##seek", transport.position, 0.0, max(0.1, transport.duration), width)
     hint(view, "seek")
+    at_right(place)
     if changed:
         ask("seek", after)
+    switch(view, ask, "loop", "Loop", view.state.loop)

@@ -37,7 +37,8 @@ def _slider(view: DeskView, ask: Ask, component: int) -> None:
     if imgui.selectable(f"{component + 1:2}##{component}", component == exploring.component, 0, size)[0]:
         ask("explored_component", float(component))
     imgui.same_line()
-    value = exploring.value(exploring.modality, component)
+    swept = exploring.sweep and component == exploring.component
+    value = view.swept if swept else exploring.value(exploring.modality, component)
     width = imgui.get_content_region_avail().x - 52 * scale(view)
     changed, after = bar(f"##sigma{component}", value, -CLAMP_SIGMAS, CLAMP_SIGMAS, width)
     hint(view, "sigma")

@@ -26,6 +26,6 @@ def figures(view: DeskView, ask: Ask) -> None:
         imgui.text_unformatted(part)
     imgui.pop_style_color()
     where = ", ".join(part for part in (readings.provider, readings.engine) if part)
-    room = imgui.get_content_region_avail().x
-    if where and imgui.calc_text_size(where).x < room:
+    imgui.same_line(0, 16)
+    if where and imgui.calc_text_size(where).x < imgui.get_content_region_avail().x:
         at_right(where)

@@ -2,10 +2,12 @@
 
 from imgui_bundle import imgui
 
+from ....models.gem import MODALITIES
 from .. import theme
 from ..actions import ACTIONS, MENUS
+from ..state import SWITCHES
 from ..view import DeskView
-from .controls import Ask, at_right, button, faint, heading, text, title
+from .controls import Ask, at_right, faint, heading, text, title
 
 WIDTH = 1180.0
 
@@ -44,46 +46,49 @@ def _group(view: DeskView, menu: str) -> None:
 
 
 def menu(view: DeskView, ask: Ask) -> None:
-    """Every action once, in the menu it belongs to."""
+    """Every action once, in the menu it belongs to; what is on is ticked."""
     for name in MENUS:
         if imgui.begin_menu(name):
             for action in ACTIONS:
                 if action.menu == name:
                     keys = "  ".join(view.keymap.keys_of(action.name))
-                    if imgui.menu_item(action.title, "" if action.name == "avatar" else keys, False)[0]:
-                        _ask_from_menu(ask, action.name)
+                    title, value = RESTING.get(action.name, (action.title, None))
+                    if imgui.menu_item(title, "" if action.name == "avatar" else keys, is_on(view, action.name))[0]:
+                        ask(action.name, value)
             imgui.end_menu()
 
 
-def _ask_from_menu(ask: Ask, name: str) -> None:
-    """A dial needs a value: the menu asks for its resting one."""
-    ask(name, RESTING.get(name))
+def is_on(view: DeskView, name: str) -> bool:
+    """Whether an action is a switch that is on."""
+    state = view.state
+    return {
+        **{switch: bool(getattr(state, switch)) for switch in (*SWITCHES, "error_map")},
+        **{modality: modality not in state.off for modality in MODALITIES},
+        "explore": state.exploring.on,
+        "sweep": state.exploring.on and state.exploring.sweep,
+        "badge": not state.no_badge,
+    }.get(name, False)
 
 
-RESTING: dict[str, float] = {
-    "avatar": 1,
-    "components": 1e6,
-    "split": 0.5,
-    "explored_component": 0,
-    "sigma": 0,
-    "seek": 0,
-    "step": 1,
-    "neutral_strength": 1,
-    "smoothing": 0.5,
-    "gain_mouth": 1,
-    "gain_eyes": 1,
-    "gain_brows": 1,
-    "gain_head": 1,
-    "yaw": 0,
-    "pitch": 0,
-    "zoom": 1,
-    "exposure": 0,
-    "warmth": 0,
-    "ui_scale": 1,
+RESTING: dict[str, tuple[str, float]] = {
+    "avatar": ("The first avatar", 1),
+    "components": ("All components", 1e6),
+    "split": ("Split of the comparison: middle", 0.5),
+    "explored_component": ("The first component", 0),
+    "sigma": ("Explored component: at rest", 0),
+    "seek": ("To the beginning of the source", 0),
+    "step": ("One frame on", 1),
+    "neutral_strength": ("Strength of the neutral: whole", 1),
+    "smoothing": ("Smoothing: back to 0.50", 0.5),
+    "gain_mouth": ("Gain of the mouth: back to 1", 1),
+    "gain_eyes": ("Gain of the eyes: back to 1", 1),
+    "gain_brows": ("Gain of the brows: back to 1", 1),
+    "gain_head": ("Gain of the head: back to 1", 1),
+    "yaw": ("Camera: in front of the face", 0),
+    "pitch": ("Camera: level with the face", 0),
+    "zoom": ("Zoom: back to 1", 1),
+    "exposure": ("Light on the avatar: as it was made", 0),
+    "warmth": ("Warmth of the light: as it was made", 0),
+    "ui_scale": ("Size of text and panels: back to 1", 1),
 }
-"""What a dial's entry in the menu sets it to: back to where it began."""
-
-
-def close_button(view: DeskView, ask: Ask, name: str) -> None:
-    """Closes what the action of this name opened."""
-    button(view, ask, name, "Close", 0.0)
+"""What a dial's entry in the menu is called, and sets it to: back to where it began."""

@@ -38,9 +38,20 @@ def comparison(view: DeskView, picture: Area) -> None:
     pen.add_circle_filled(imgui.ImVec2(x, (top + bottom) / 2), 9 * unit, packed(theme.ACCENT))
     left = f"A: all {state.limits.components}"
     right = "error x 8" if state.error_map else f"B: {state.used_components} components"
-    size = imgui.calc_text_size(left)
-    pen.add_text(imgui.ImVec2(x - size.x - 12 * unit, top + 12 * unit), packed(theme.ACCENT), left)
-    pen.add_text(imgui.ImVec2(x + 12 * unit, top + 12 * unit), packed(theme.ACCENT), right)
+    away, pad = 12 * unit, 8 * unit
+    for words, at in ((left, x - away - imgui.calc_text_size(left).x - 2 * pad), (right, x + away)):
+        size = imgui.calc_text_size(words)  # on a ground of its own: the accent alone is lost on a green screen
+        corner = imgui.ImVec2(at + size.x + 2 * pad, top + away + size.y + pad)
+        pen.add_rect_filled(imgui.ImVec2(at, top + away), corner, packed(theme.PANEL, 0.92), pad)
+        pen.add_text(imgui.ImVec2(at + pad, top + away + pad / 2), packed(theme.ACCENT), words)
+
+
+def recording(view: DeskView, picture: Area) -> None:
+    """A dot at the picture's corner, in the window alone: what is recorded has nothing on it."""
+    pen, unit = imgui.get_foreground_draw_list(), scale(view)
+    middle = imgui.ImVec2(picture.left + 24 * unit, picture.top + 24 * unit)
+    pen.add_circle_filled(middle, 12 * unit, packed(theme.PANEL, 0.92))
+    pen.add_circle_filled(middle, 7 * unit, packed(theme.ALARM))
 
 
 def countdown(view: DeskView, picture: Area) -> None:

@@ -9,7 +9,7 @@ WIDTH = 520.0
 
 
 class Prompt:
-    """Keeps what is typed from one frame to the next."""
+    """Keeps what is typed: it is there again when there was a slip in it."""
 
     def __init__(self) -> None:
         self._text = ""
@@ -20,11 +20,10 @@ class Prompt:
         faint(
             "An avatar (.gem), a video, a folder of pictures, a track, or osc:PORT. You can also drop it on the window."
         )
-        if imgui.is_window_appearing():
+        if imgui.is_window_appearing() or not imgui.is_any_item_active():  # a click beside the line takes it away
             imgui.set_keyboard_focus_here()
         imgui.set_next_item_width(-88 * scale(view))
         entered, self._text = imgui.input_text("##path", self._text, imgui.InputTextFlags_.enter_returns_true.value)
         imgui.same_line()
         if (imgui.button("Open", imgui.ImVec2(-1, 0)) or entered) and self._text.strip():
             ask("open", self._text.strip())
-            self._text = ""

@@ -14,8 +14,6 @@ class Reason:
 
     def __init__(self) -> None:
         self._text = ""
-        self._again = False
-        """Whether Enter left the line before there was a reason: it can be typed on."""
 
     def draw(self, view: DeskView, ask: Ask) -> None:
         """In the middle: Enter takes the badge away once there is a reason, Esc leaves it."""
@@ -24,7 +22,7 @@ class Reason:
             f"Say why, in {SHORTEST} to {LONGEST} characters, such as: {EXAMPLE}. It goes into the credentials of what"
             " is recorded, and the badge is back at the next start."
         )
-        if imgui.is_window_appearing() or self._again:
+        if imgui.is_window_appearing() or not imgui.is_any_item_active():  # a click beside the line takes it away
             imgui.set_keyboard_focus_here()
         imgui.set_next_item_width(-120 * scale(view))
         entered, self._text = imgui.input_text("##reason", self._text, imgui.InputTextFlags_.enter_returns_true.value)
@@ -33,7 +31,6 @@ class Reason:
         imgui.begin_disabled(not is_reason(words))
         pressed = imgui.button("Leave it out", imgui.ImVec2(-1, 0))
         imgui.end_disabled()
-        self._again = entered and not is_reason(words)
         if (pressed or entered) and is_reason(words):
             ask("badge", words)
             self._text = ""

@@ -17,7 +17,7 @@ from torch import Tensor
 from ....render.camera import Camera
 from ....render.diff.rasterize import rasterize
 from ....render.diff.tensors import RawTensors, activate
-from ...gem import CLAMP_SIGMAS, Gem
+from ...gem import Gem
 from ..losses import photometric, psnr
 from .lbfgs import Memory, minimise
 from .torchgem import TorchGem
@@ -252,12 +252,6 @@ def _adam(problem: _Problem, unknown: Tensor, effort: Effort) -> tuple[float, ..
         optimizer.param_groups[0]["lr"] = effort.adam_rate * (1 - step / effort.adam_steps)
         optimizer.step()
     return tuple(losses)
-
-
-def limit_share(gem: Gem, coefficients: Floats) -> float:
-    """Share of coefficients at their limit of 3 sigma, in [0, 1]; 0 where there is none."""
-    reached = np.count_nonzero(np.abs(coefficients) >= CLAMP_SIGMAS * gem.sigma * (1 - 1e-6))
-    return reached / max(1, len(coefficients))
 
 
 def error_map(fitted: Floats, picture: NDArray[np.generic], full_scale: float = 0.1) -> NDArray[np.uint8]:

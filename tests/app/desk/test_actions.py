@@ -96,6 +96,11 @@ def test_a_rebound_key_moves_and_what_lost_its_key_is_named() -> None:
     assert keys.conflicts == ("M means Record, so Mirror the preview is left without it.",)
 
 
+def test_keys_beyond_those_that_an_action_takes_are_named() -> None:
+    (said,) = keymap({"record": ["F9", "F8"]}).conflicts
+    assert said == "Record takes 1 of your keys; 'F8' is one too many."
+
+
 def test_nobody_can_lock_themselves_in() -> None:
     keys = keymap({"quit": ("F5",), "mirror": ("Ctrl+Q",), "leave": ("nonsense",), "no such": ("Z",)})
     for key, name in (("Ctrl+Q", "quit"), ("Esc", "leave"), ("F5", "quit")):

@@ -63,7 +63,7 @@ def test_a_quick_frame_is_the_same_as_a_whole_one(
     quick = show(second, touched=False)
     assert len(draws) == before
     around = show(second, touched=True)
-    monkeypatch.setattr("gemheads.app.desk.screen.covers", lambda view: True)
+    monkeypatch.setattr("gemheads.app.desk.screen.covers", lambda view, layout: True)
     whole = show(second, touched=False)
     assert len(draws) == before + 2
     assert (quick == whole).all()

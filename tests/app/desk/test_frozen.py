@@ -75,7 +75,7 @@ def test_a_source_that_is_opened_later_loops_as_the_switch_says(room: Room) -> N
 
 @pytest.mark.parametrize(
     "order",
-    [Order("open", "clip.mp4"), Order("camera"), Order("demo"), Order("no_source")],
+    [Order("open", __file__), Order("camera"), Order("demo"), Order("no_source")],
     ids=lambda order: order.name,
 )
 def test_another_source_moves_though_the_last_one_was_frozen(order: Order, room: Room) -> None:

@@ -9,6 +9,7 @@ from gemheads.app.desk import theme
 from gemheads.app.desk.actions import BY_NAME, Order
 from gemheads.app.desk.layout import laid_out
 from gemheads.app.desk.offscreen import DeskOffscreen
+from gemheads.app.desk.panels.help import is_on
 from gemheads.app.desk.state import DeskState, Exploring
 from gemheads.app.desk.view import AvatarFacts, Curve, DeskView, OutputLine, Readings, Rest, Toast
 from gemheads.app.live import NO_SHIFT
@@ -204,6 +205,63 @@ def test_a_path_can_be_typed_and_its_letters_are_no_keys(desk: DeskOffscreen) ->
     desk.show(None, what)
     desk.show(None, what)
     assert Order("open", "film.mp4") in desk.poll()
+
+
+@pytest.mark.parametrize("card", [{"prompt": True}, {"asking_reason": True}, {"prompt": True, "help": True}])
+def test_letters_belong_to_a_card_wherever_the_pointer_clicked(desk: DeskOffscreen, card: dict[str, bool]) -> None:
+    """Else the letters of a path would record, open the camera and turn the avatar."""
+    what = view(**card)
+    area = laid_out(what, *SIZE).picture
+    shown(desk, what, halves())
+    x, y = area.left + 30, area.top + area.height - 30
+    for point in ((x, y, None), (x, y, True), (x + 40, y, None), (x + 40, y, False)):
+        desk.point(*point)
+        desk.show(None, what)
+    for letter in "RVC0P":
+        desk.press(letter)
+    assert desk.poll() == []
+    desk.show(None, what)
+    desk.type("long enough words to be a reason")
+    desk.show(None, what)
+    desk.key("Enter")
+    for _ in range(2):
+        desk.show(None, what)
+    assert [order.value for order in desk.poll()] == ["long enough words to be a reason"]
+    desk.press("Esc")
+    assert [order.name for order in desk.poll()] == ["leave"]
+
+
+def test_a_click_alone_turns_nothing(desk: DeskOffscreen) -> None:
+    """Touch screens and remote desktops move the pointer and press it at once."""
+    what = view()
+    area = laid_out(what, *SIZE).picture
+    shown(desk, what, halves())
+    desk.point(10, 10)
+    desk.show(None, what)
+    desk.point(area.left + 200, area.top + 200, True)
+    for _ in range(3):
+        desk.show(None, what)
+    assert desk.poll() == []
+
+
+def test_panels_without_room_are_told_once_each_time(desk: DeskOffscreen) -> None:
+    for what, orders in ((view(), 0), (view(ui_scale=2.5), 1), (view(ui_scale=2.5), 0), (view(), 0)):
+        desk.show(halves(), what)
+        assert desk.poll() == [Order("no_room")] * orders
+
+
+@pytest.mark.parametrize("panels", [True, False])
+def test_recording_is_seen_with_or_without_panels(desk: DeskOffscreen, panels: bool) -> None:
+    what = view(panels=panels, record=True, figures=False)
+    dot = share(shown(desk, what, halves()), np.array(theme.ALARM[:3]) * 255, within=6)
+    assert (dot > 1e-4) is not panels
+
+
+def test_the_menu_ticks_what_is_on() -> None:
+    what = view(compare=True, off=frozenset(("scale",)), exploring=Exploring(on=True), no_badge="because of a test")
+    on = {name for name in BY_NAME if is_on(what, name)}
+    assert {"compare", "position", "explore", "mirror", "ladder", "loop"} <= on
+    assert not {"scale", "sweep", "badge", "record", "quit", "zoom"} & on
 
 
 def test_a_badge_is_left_out_only_with_a_reason(desk: DeskOffscreen) -> None:

@@ -13,6 +13,7 @@ from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
 from gemheads.app.live import run_live
+from gemheads.app.performing.ladder import Quality
 from gemheads.app.performing.shots import Health
 from gemheads.app.person.coach import coach
 from gemheads.app.person.restface import RestSession
@@ -218,7 +219,13 @@ def test_a_recording_and_a_picture_are_written_and_a_failed_output_switches_itse
     room.session.obey(Order("record"))
     room.capture.post(1.0)  # the state is as it was by the time a picture is drawn: only a shot is news
     until(room.session, lambda: not room.session.state.record)
-    assert any(line.failed for line in room.session.view(0.0).outputs)
+    view = room.session.view(0.0)
+    assert any(line.failed for line in view.outputs)
+    said = [toast.text for toast in view.toasts]
+    assert [words for words in said if words.startswith("Picture: saved ")]  # wherever the panel of outputs is
+    assert [toast for toast in view.toasts if toast.alarm and "this disk is full" in toast.text]
+    turn(room.session)
+    assert [toast.text for toast in room.session.view(0.0).toasts] == said  # once
 
 
 def test_sliders_reach_the_capture_and_the_source_is_what_was_asked_for(room: Room, tmp_path: Path) -> None:
@@ -231,9 +238,12 @@ def test_sliders_reach_the_capture_and_the_source_is_what_was_asked_for(room: Ro
     assert (tuning.smoothing, tuning.gains["mouth"], tuning.head_pose) == (0.9, 1.5, False)
     assert "relock" in calls
     assert calls["use"][1] == "Performance"
+    (tmp_path / "clip.mp4").touch()
     for order, name in (
         (Order("demo"), "The demo"),
-        (Order("open", str(tmp_path / "clip.mp4")), "clip.mp4"),
+        (Order("open", f'"{tmp_path / "clip.mp4"}"'), "clip.mp4"),
+        (Order("open", (tmp_path / "clip.mp4").as_uri()), "clip.mp4"),
+        (Order("open", str(tmp_path / "clip, mistyped.mp4")), "clip.mp4"),
         (Order("camera", "Nice Cam"), "Nice Cam"),
         (Order("no_source"), ""),
     ):
@@ -255,8 +265,35 @@ def test_a_camera_is_remembered_by_its_name_once_it_shows_a_picture(room: Room) 
     assert room.session.driving.camera == "Nice Cam"
 
 
+def test_a_neutral_is_not_taken_where_there_is_no_picture(room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("neutral"))
+    assert not room.session.state.resting
+    assert "choose your camera" in room.session.view(0.0).toasts[-1].text
+
+
+def test_what_stands_still_and_what_is_saved_is_drawn_whole_however_slow_the_machine(
+    room: Room, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin(room)
+    session = room.session
+    monkeypatch.setattr(session.gauges, "quality", lambda components: Quality(1, 0.5))
+
+    def drawn() -> int:
+        room.capture.post(float(room.capture.serial % 3))
+        return until(session, lambda: True).shape[0]
+
+    assert drawn() == 48
+    session.obey(Order("picture"))
+    assert drawn() == 96
+    session._whole_until = 0.0
+    assert drawn() == 48
+    assert until(session, lambda: True).shape[0] == 96  # half a second without another shot
+
+
 def test_a_neutral_is_not_taken_of_two_sources(room: Room) -> None:
     begin(room)
+    room.capture.health = Health("tracking", pictured=True)
     room.session.obey(Order("neutral"))
     turn(room.session)
     room.session.driving.neutral._session = RestSession("collecting", green_at=1.0)

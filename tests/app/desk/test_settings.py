@@ -7,7 +7,6 @@ from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.settings import (
     MAX_BYTES,
     REMEMBERED,
-    WINDOW,
     Settings,
     load_settings,
     recalled,
@@ -67,7 +66,7 @@ def test_values_of_the_wrong_kind_or_from_another_version_are_left_out(tmp_path:
     )
     settings, complaint = load_settings(file)
     assert complaint == ""
-    assert settings.window == WINDOW
+    assert settings.window is None
     assert settings.avatar == ""
     assert settings.keys == {"record": ("F9",), "unknown": ("X",), "mirror": ("M",)}
     assert any("no action called 'unknown'" in complaint for complaint in keymap(settings.keys).conflicts)

@@ -123,3 +123,12 @@ def test_what_is_unknown_changes_nothing() -> None:
     assert update(state, Order("zoom", 10**400)) == state
     assert update(state, Order("zoom", "large")) == state
     assert update(replace(state, zoom=2.0), Order("components", None)).zoom == 2.0
+
+
+def test_the_error_map_brings_the_comparison_that_it_is_seen_in() -> None:
+    state = update(DeskState(), Order("error_map"))
+    assert state.compare
+    assert state.error_map
+    hidden = update(state, Order("compare"))
+    assert update(hidden, Order("error_map")).compare
+    assert not update(state, Order("error_map")).error_map

@@ -44,9 +44,12 @@ def opened(device: Device, connected: list[CameraChoice] | None = None, **more: 
     return open_camera(CHOICE, (64, 48), 30, lambda: found, lambda index: device, **more)()  # pyright: ignore[reportArgumentType]
 
 
-def read_on(camera: LiveSource) -> None:
+def read_on(camera: LiveSource) -> TimedFrame:
+    """Its first picture; or what it raises."""
     for _ in range(100):
-        camera.read(0.1)
+        if (frame := camera.read(0.1)) is not None:
+            return frame
+    raise AssertionError("no picture, and no word about that")
 
 
 def blue() -> np.ndarray:
@@ -129,6 +132,14 @@ def test_one_that_is_refused_says_what_to_do_here(system: str, monkeypatch: pyte
     assert CURES[system] in raised.value.cure
     assert "demo" in raised.value.cure
     assert device.released.is_set()
+
+
+def test_one_that_takes_its_time_to_wake_up_is_waited_for() -> None:
+    pictures = iter([None] * 12 + [blue()])
+    clock = iter(np.arange(0, 10000, 0.3))
+    camera = opened(Device(lambda: next(pictures, blue())), clock=lambda: float(next(clock)))
+    assert read_on(camera).rgb.any()
+    camera.close()
 
 
 def test_one_that_goes_away_is_lost_and_let_go() -> None:

@@ -14,7 +14,8 @@ from ..performing.test_tracks import TRACK
 def test_words_mean_what_they_say(tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "shot_1.png"), np.zeros((32, 48, 3), np.uint8))
     for text, kind in (
-        ("demo", "track"),
+        ("demo", "video"),
+        ("performance", "track"),
         (str(DEMO_CLIP), "video"),
         (str(tmp_path), "pictures"),
         (str(tmp_path / "shot_1.png"), "pictures"),

@@ -10,7 +10,7 @@ from gemheads.app.errors import InputError
 from gemheads.app.files.frames import Frame
 from gemheads.app.inputs.pictures import open_pictures
 from gemheads.app.inputs.source import LiveSource, PoseFrame, WeightsFrame
-from gemheads.app.inputs.trackplayer import open_demo, open_track
+from gemheads.app.inputs.trackplayer import open_performance, open_track
 from gemheads.app.inputs.videoplayer import MOST_AT_ONCE, VideoPlayer
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.tracks import Track, save_track
@@ -169,8 +169,8 @@ def test_a_coefficient_track_plays_for_its_avatar(tmp_path: Path, clock: Clock) 
     assert player.drops == 0  # nobody had looked yet
 
 
-def test_the_demo_plays_in_a_circle(clock: Clock) -> None:
-    demo = open_demo(clock)
+def test_the_performance_plays_in_a_circle(clock: Clock) -> None:
+    demo = open_performance(clock)
     assert isinstance(demo.read(0), WeightsFrame)
     seen = watch(demo, clock, demo.transport.duration + 1, step=1 / 60)
     assert len(seen) == pytest.approx(30 * (demo.transport.duration + 1), rel=0.02)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError
-from gemheads.app.performing.weights import DEMO, WeightsTrack, is_weights, load_weights, save_weights
+from gemheads.app.performing.weights import SHIPPED, WeightsTrack, is_weights, load_weights, save_weights
 from safetensors.numpy import save
 
 TRACK = WeightsTrack(
@@ -80,8 +80,8 @@ def test_another_version_and_extra_tensors_are_refused(tmp_path: Path) -> None:
 
 
 def test_the_demo_ships_and_moves_the_whole_face_in_a_circle() -> None:
-    demo = load_weights(DEMO)
-    assert DEMO.stat().st_size < 200_000
+    demo = load_weights(SHIPPED)
+    assert SHIPPED.stat().st_size < 200_000
     assert len(demo.pts) * float(demo.time_base) * np.median(np.diff(demo.pts)) > 8
     from gemheads.models.arkit import NAMES
 

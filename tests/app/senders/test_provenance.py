@@ -65,7 +65,7 @@ def test_recorded_pngs_are_signed_each(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("why", ["", WHY])
 def test_a_saved_picture_is_badged_and_signed(why: str, tmp_path: Path) -> None:
-    outlet = Snapshot(tmp_path)
+    outlet = Snapshot(tmp_path, PICTURE.shape[1::-1])
     outlet.send(shown(0.0, no_badge=why))
     (path,) = tmp_path.iterdir()
     image = cv2.imread(str(path))

@@ -42,11 +42,11 @@ def test_a_picture_that_cannot_be_saved_leaves_nothing(tmp_path: Path) -> None:
         save_picture(PICTURE, tmp_path / "gone")
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="cannot be made"):
-        Snapshot(tmp_path / "file")
+        Snapshot(tmp_path / "file", (8, 8))
     assert os.listdir(tmp_path) == ["file"]
 
 
 def test_the_person_reads_where_it_went(tmp_path: Path) -> None:
-    outlet = Snapshot(tmp_path / "new" / "folder")
+    outlet = Snapshot(tmp_path / "new" / "folder", PICTURE.shape[1::-1])
     outlet.send(Shown(PICTURE, 0.0))
     assert outlet.status.startswith(f"saved {tmp_path / 'new' / 'folder' / 'gemheads-0001.png'}")

@@ -17,7 +17,7 @@ from gemheads.render.software import SoftwareEngine
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train.synthesis.fit import FIRST, NEXT, Effort, HeadPose, Stage, Start, error_map, fit, limit_share  # noqa: E402
+from gemheads.models.train.synthesis.fit import FIRST, NEXT, Effort, HeadPose, Stage, Start, error_map, fit  # noqa: E402
 
 GREY = (0.75, 0.75, 0.75)
 BRIEF = Effort((Stage(None, 2),))
@@ -91,8 +91,8 @@ def test_the_prior_holds_back_what_cannot_be_seen() -> None:
     blank = np.full((48, 48, 3), 191, np.uint8)
     loose, tight = (fit(gem, [blank], [camera], prior=prior, effort=BRIEF) for prior in (1e-4, 1e4))
     assert np.abs(tight.coefficients).max() < 0.05 < np.abs(loose.coefficients).max()
-    assert limit_share(gem, loose.coefficients) <= 1
-    assert limit_share(gem, 3 * gem.sigma) == 1
+    assert gem.limit_share(loose.coefficients) <= 1
+    assert gem.limit_share(3 * gem.sigma) == 1
 
 
 def test_an_avatar_without_components_has_a_pose() -> None:
@@ -101,7 +101,7 @@ def test_an_avatar_without_components_has_a_pose() -> None:
     picture = taken(gem, gem.rest_coefficients, HeadPose(TURN, MOVE), camera)
     found = fit(gem, [picture], [camera], effort=Effort((Stage(None, 8, pose_only=True), Stage(None, 8))))
     assert degrees_apart(found.pose.turn, TURN) < 3
-    assert limit_share(gem, found.coefficients) == 0
+    assert gem.limit_share(found.coefficients) == 0
 
 
 def test_starts_at_the_rest_of_the_avatar() -> None:
