@@ -84,7 +84,7 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
     rows = sum(min(components, len(gem.bases[modality])) for modality in MODALITIES)
     wide, high = STEPS * size[0], rows * (LABEL_PX + size[1])
     if wide * high > MOST_PIXELS:
-        raise UsageError(f"{wide}x{high} pixels are no picture that opens; ask for fewer --components or less --size")
+        raise UsageError(f"{wide}x{high} pixels would be too large to open; ask for fewer --components or less --size")
     drawer = open_engine(engine)
     try:
         pictures = [

@@ -194,13 +194,13 @@ def train_regressor(
             learn how that reads on it. Default: what it has learned before, if it has.
         take_over: An avatar with ARKit shapes and a regressor: this one does what it has learned, and nothing is
             trained; for an avatar that was baked anew and reads as before.
-        turns_only: Learn anew how the avatar's head turns, and leave what it answers to faces as it is; for an avatar
-            that has a regressor.
+        turns_only: Learn only how the avatar's head turns, and keep how it answers faces; for an avatar that has a
+            regressor.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
         steps: Training steps of a network. Default: 9,000; with a capture 6,000.
         seed: The same seed, avatar and sources give the same regressor.
-        jobs: Processes that draw pictures and learn, of one thread each; the regressor is the same. Default: one for
-            each core, as far as memory goes.
+        jobs: How many processes draw pictures and learn, with one thread each; the regressor does not depend on it.
+            Default: one for each core, if there is memory for them.
         labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the
             avatar does at its moments. Default: they are fitted.
         report: With a capture: where figures on its held-out pictures go, as JSON.
@@ -229,7 +229,7 @@ def train_regressor(
         former = None if rehearse_with is None else find_avatar(rehearse_with)
         lasting = TrainingWish.steps if steps is None else steps
         if turns_only and former is not None:
-            raise UsageError("--turns-only rehearses nothing; leave out --rehearse-with")
+            raise UsageError("--rehearse-with has no effect with --turns-only; leave one of them out")
         wish = TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed, jobs, turns_only)
         return run_training(path, out, wish)
     if turns_only:

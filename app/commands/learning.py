@@ -22,7 +22,7 @@ def capture(
     renderer: Literal["studio", "cycles"] = "studio",
     seed: Seed = 0,
 ) -> int:
-    """Film a synthetic person with many cameras, for train, refine and fit; the same again goes on.
+    """Film a synthetic person with many cameras, for train, refine and fit. Stopped, the same command continues.
 
     Args:
         out: The capture's folder: a new one, or one that holds the same capture, finished or not.
@@ -62,11 +62,11 @@ def train(
     perceptual: bool = True,
     seed: Seed = 0,
 ) -> int:
-    """Learn an avatar from a capture (extra: pip install 'gemheads[train]'); the same again goes on.
+    """Learn an avatar from a capture (extra: pip install 'gemheads[train]'). Stopped, the same command continues.
 
     Args:
         capture: The folder of a capture.
-        out: The run's folder; one that holds the same run is gone on with.
+        out: The run's folder. If it already holds this run, training continues.
         model: The paper's CNN, or a baseline to judge it by: rigged (static splats that the mesh carries) or
             blendshapes (a mean and an offset for each ARKit shape).
         preset: tiny (minutes on two cores), small (hours), full (a GPU).
@@ -103,7 +103,7 @@ def refine(
         out: The .gem to write. Default: the same file. It stays as it was where held-out pictures get no better.
         iterations: Steps, each on one picture.
         coefficients: Whether the expressions of the moments are changed, too.
-        colors: Whether the colours of the splats are.
+        colors: Whether the colours of the splats are changed, too.
         start: A track with the expressions of the training moments, of `distill --moments` or `fit --split train`.
             Default: what was tracked for an avatar of the bare mesh, else a fit.
         moments: Where to write those expressions as they are after.
@@ -135,7 +135,9 @@ def evaluate(
     components: Annotated[list[Whole] | None, Parameter(consume_multiple=True, negative=())] = None,
     jobs: Whole | None = None,
 ) -> int:
-    """Judge avatars on pictures nothing was learned from, and driven by people never seen; the same again goes on.
+    """Judge avatars on pictures nothing was learned from, and driven by people never seen.
+
+    Stopped, the same command continues.
 
     A held-out camera (val) and held-out expressions (test) of a capture, beside the paper's figures (extra:
     pip install 'gemheads[train]'); with --drivers, how the avatars follow strangers.
@@ -144,17 +146,17 @@ def evaluate(
         avatar: Name of an avatar, a .gem file, or a run of train.
         capture: The folder of a capture. It may be left out with --drivers.
         out: The report's folder: report.html, report.json, and what is not judged again.
-        against: More of them, as further columns on the same pictures.
+        against: More avatars, as further columns on the same pictures.
         drivers: Videos of faces that nothing was learned from: they drive the avatars, and what the avatars then do is
             compared with them.
-        every: Of a driver each N-th frame is taken ...
-        seconds: ... of so many from its beginning.
+        every: Take each N-th frame of every driver.
+        seconds: Take only the first so many seconds of every driver.
         shots: How many pictures of either kind, evenly over moments and cameras.
         everything: Every picture instead.
         lpips: By which network LPIPS is measured; alex is 20 times faster, the paper has vgg.
         components: Judge each GEM with so many of its components, too: quality, size of the file, frames a second.
-        jobs: Processes that judge, of one thread each; the figures are the same. Default: one for each core, as far
-            as the memory reaches.
+        jobs: How many processes judge, with one thread each; the figures do not depend on it. Default: one for each
+            core, if there is memory for them.
     """
     from ..evaluation.evaluating import EvaluateWish, run_evaluating
     from ..evaluation.strangers import CrossingWish

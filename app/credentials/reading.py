@@ -49,7 +49,7 @@ def read_credentials(path: Path) -> Verdict:
         return Verdict("none")
     except (c2pa.C2paError.NotSupported, c2pa.C2paError.Io) as error:
         raise InputError(
-            f"{path}: is nothing that can carry credentials ({plain(str(error))}); give a {_KINDS} file"
+            f"{path}: this kind of file cannot carry credentials ({plain(str(error))}); give a {_KINDS} file"
         ) from error
     except c2pa.C2paError as error:
         if str(error).startswith("Remote"):

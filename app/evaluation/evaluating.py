@@ -79,7 +79,7 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
     except OSError as error:
         raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
     except KeyboardInterrupt:
-        print(f"{out}: stopped; what is judged is kept, the same command goes on")
+        print(f"{out}: stopped; what was judged is kept, and the same command continues")
         return ExitCode.INTERRUPTED
     print(_told(out, report, sizes, crossing))
     return ExitCode.OK
