@@ -1,20 +1,17 @@
 """The first minute: a shipped avatar acts what the shipped clip does."""
 
-import os
-import sys
 from pathlib import Path
-from typing import Literal
 
+from ..render.enginename import EngineName
 from .errors import ExitCode
 from .library import demo_clip, find_avatar
+from .machine import has_display
 from .performing.casting import open_avatar
 from .reenacting.reenact import reenact
 from .reenacting.wish import Wish
 
 
-def run_demo(
-    out: str, avatar: str | None, engine: Literal["auto", "quads", "software"], window: bool, no_badge: str = ""
-) -> ExitCode:
+def run_demo(out: str, avatar: str | None, engine: EngineName, window: bool, no_badge: str = "") -> ExitCode:
     """Write the demo video, say where it is, and open the live window with it where there is a display.
 
     Raises CommandError.
@@ -32,10 +29,3 @@ def run_demo(
 
             return live_command(clip, avatar, engine=engine, no_badge=no_badge)
     return code
-
-
-def has_display() -> bool:
-    """Whether a window can be opened here."""
-    if sys.platform.startswith("linux"):
-        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-    return True

@@ -20,7 +20,7 @@ def examine_live() -> Iterator[Finding]:
 
 
 def _window() -> Finding:
-    from .demo import has_display
+    from .machine import has_display
 
     if not has_display():
         cure = "log into a desktop, or set DISPLAY; results can be written to files without one"

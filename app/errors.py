@@ -3,6 +3,7 @@
 import errno
 import re
 from enum import IntEnum
+from pathlib import Path
 
 NO_ROOM = (
     "a disk is full: make room on the disks of your results and of gemheads, or keep the kernels that it compiles"
@@ -77,3 +78,21 @@ class OutputError(CommandError):
     """The result could not be written: no permission, no space, no encoder."""
 
     code = ExitCode.OUTPUT
+
+
+def cannot_write(path: Path, error: OSError) -> OutputError:
+    """What is said where the system refuses a result."""
+    return OutputError(f"{path}: cannot be written ({error.strerror}); check the folder and the space")
+
+
+class TrainingExtra:
+    """``with TrainingExtra("fitting"):`` around imports that need torch: InputError says what to install without it."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, ImportError):
+            raise InputError(f"{self._what} needs {error.name}; install it: pip install 'gemheads[train]'") from error

@@ -11,7 +11,7 @@ from ..models.gem import Gem
 from ..models.ply import save_ply
 from ..models.posing import pose_head
 from ..models.wholefile import file_sha256
-from .errors import InputError, OutputError, UsageError
+from .errors import InputError, UsageError, cannot_write
 from .files.leftovers import take_over
 from .files.outputs import keep_inputs
 from .performing.casting import check_components, check_track, open_avatar
@@ -72,4 +72,4 @@ def _write(gem: Gem, shots: Iterable[tuple[Path, Pose]], components: int | None)
             path.parent.mkdir(parents=True, exist_ok=True)
             save_ply(splats, path)
         except OSError as error:
-            raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder") from error
+            raise cannot_write(path, error) from error

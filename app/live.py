@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +26,12 @@ from .performing import idle
 from .performing.performance import Pose
 from .performing.presence import Phase
 from .performing.threads import Behind, ahead, at_most
-from .performing.timing import Stopwatch
+from .performing.timing import Watch
 from .person.following import Actor, Memory, count_faces, follow, look, turned_gain
 
 if TYPE_CHECKING:
-    from .desk.offscreen import DeskOffscreen
     from .desk.session import Session
-    from .desk.window import DeskWindow
-
-    Desk = DeskWindow | DeskOffscreen
+    from .desk.view import DeskView
 
 Image = NDArray[np.uint8]
 WAIT_SECS = 0.01
@@ -51,7 +48,7 @@ class Stage:
     camera: Camera
     background: tuple[float, float, float] | None
     """sRGB in [0, 1]; None keeps the picture transparent."""
-    watch: Stopwatch
+    watch: Watch
     components: int | None = None
     """How many components a modality; None for all."""
 
@@ -101,7 +98,7 @@ def act(actor: Actor, memory: Memory, seen: bool, cut: bool = False) -> tuple[Me
     )
 
 
-def perform(actor: Actor, frames: Iterable[Frame], watch: Stopwatch) -> Iterator[tuple[Frame, Pose, int]]:
+def perform(actor: Actor, frames: Iterable[Frame], watch: Watch) -> Iterator[tuple[Frame, Pose, int]]:
     """``drive`` over a whole clip: each frame, what the avatar does, and when (PTS)."""
     memory = Memory()
     for frame in frames:
@@ -158,7 +155,27 @@ NOTHING = np.empty((0, 0, 3), np.uint8)
 """Stands for a picture that is already written."""
 
 
-def run_live(desk: "Desk", session: "Session") -> None:
+class Desk(Protocol):
+    """A window, or what stands for one."""
+
+    def poll(self, wait: float = 0.0) -> list[Order]:
+        """What was asked for since the last call; waits so many seconds for it."""
+        ...
+
+    def wake(self) -> None:
+        """End the wait in ``poll``; from any thread."""
+        ...
+
+    def show(self, picture: Image | None, view: "DeskView") -> None:
+        """Draw a frame; the picture stays until another one comes."""
+        ...
+
+    def clean(self, picture: Image | None) -> bool:
+        """Show the picture by itself, too, or no longer; False when the person closed it."""
+        ...
+
+
+def run_live(desk: Desk, session: "Session") -> None:
     """The window's thread until somebody quits: orders -> state; newest shot -> picture -> outputs; panels -> screen.
 
     Nothing here waits for the driver, a file, an output or, where the engine allows it, a picture: the newest shot

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..models.gem import CLAMP_SIGMAS, MODALITIES, Gem
 from ..render.camera import Camera
 from ..render.compositing import over
+from ..render.enginename import EngineName
 from ..render.gaussians import RawGaussians
 from ..render.software import SoftwareEngine
 from .credentials.badge import badged
@@ -20,7 +21,6 @@ from .files.pictures import write_png
 from .performing.portrait import portrait
 
 Image = NDArray[np.uint8]
-EngineName = Literal["auto", "quads", "software"]
 STEPS = 5
 """Pictures in a row: -3, -1.5, 0, 1.5 and 3 sigma."""
 GROUND = (1.0, 1.0, 1.0)

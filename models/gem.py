@@ -18,7 +18,7 @@ CHANNELS = {"position": 3, "rotation": 4, "scale": 3, "opacity": 1}
 CLAMP_SIGMAS = 3.0
 """Coefficients stay within this many standard deviations (equation 4)."""
 AT_LIMIT = 0.98
-"""From this part of CLAMP_SIGMAS on a coefficient counts as clamped: a regressor's bend towards it, and never arrive."""
+"""From this part of CLAMP_SIGMAS on a coefficient is clamped: a regressor's bend towards it, and never arrive."""
 _WORTHWHILE = 0.75
 """Share of a basis that moves above which reading all of it in one go is as fast."""
 MAX_SPLATS = 1_000_000

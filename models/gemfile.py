@@ -68,26 +68,16 @@ def save_gem(gem: Gem, path: str | Path, basis: str = "int8") -> None:
     write_whole(Path(path), [head, *payload])
 
 
-def load_gem(path: str | Path, components: int | None = None) -> Gem:
-    """Reads an avatar.
+def load_gem(path: str | Path) -> Gem:
+    """Reads an avatar, as ``save_gem`` wrote it.
 
-    Args:
-        path: a file of ``save_gem``.
-        components: read only the first so many of each modality: what ``Gem.truncated`` gives, in less time and memory.
-            The checksum of the whole is then not compared.
-
-    Raises:
-        GemFormatError: for everything that is no sound avatar, within bounded memory and time.
-        ValueError: for ``components`` below 0.
+    Raises GemFormatError for everything that is no sound avatar, within bounded memory and time.
     """
-    if components is not None and components < 0:
-        raise ValueError(f"an avatar cannot be read with {components} components; give 0 or more")
     with _opened(Path(path)) as (file, size):
         header = read_header(file, size)
         card = read_card(header.metadata)
         layout = check_layout(header, card)
-        tensors = _read(file, header, layout, card if components is None else None, components)
-        return _gem(tensors, layout, card, components)
+        return _gem(_read(file, header, layout, card), layout, card)
 
 
 def read_info(path: str | Path) -> GemInfo:
@@ -130,16 +120,11 @@ def _bases_sha256(tensors: Mapping[str, NDArray[Any]]) -> str:
     return digest.hexdigest()
 
 
-def _read(file: BufferedReader, header: Header, layout: Layout, seal: Card | None, components: int | None) -> Tensors:
+def _read(file: BufferedReader, header: Header, layout: Layout, card: Card) -> Tensors:
     tensors: Tensors = {}
     digest = hashlib.sha256()
     for name, entry in header.entries.items():
-        shape = entry.shape
-        if components is not None and name.rpartition(".")[2] in ("components", "scale", "sigma"):
-            shape = (min(components, shape[0]), *shape[1:])
-        if components is not None and name == "regressor":
-            continue
-        values = np.empty(shape, entry.dtype)
+        values = np.empty(entry.shape, entry.dtype)
         file.seek(header.payload + entry.start)
         view = values.reshape(-1).view(np.uint8).data
         if file.readinto(view) != view.nbytes:
@@ -147,21 +132,16 @@ def _read(file: BufferedReader, header: Header, layout: Layout, seal: Card | Non
         digest.update(view)
         check_values(name, values, layout.splats)
         tensors[name] = values
-    if seal is not None and digest.hexdigest() != seal.payload_sha256:
+    if digest.hexdigest() != card.payload_sha256:
         raise GemFormatError("its contents were changed or damaged: the checksum does not fit")
     return tensors
 
 
-def _gem(tensors: Tensors, layout: Layout, card: Card, components: int | None) -> Gem:
+def _gem(tensors: Tensors, layout: Layout, card: Card) -> Gem:
     bases = {name: _basis(name, tensors, layout) for name in MODALITIES}
     _check_texels(tensors["uv_index"], card.uv_size)
-    weights, rest = tensors.get("arkit_weights"), tensors.get("rest")
-    if components is not None:
-        used = _leading(layout, components)
-        weights = None if weights is None else weights[:, used]
-        rest = None if rest is None else rest[used]
     graph = None
-    if card.regressor is not None and components is None:
+    if card.regressor is not None:
         graph = tensors["regressor"].tobytes()
         if hashlib.sha256(graph).hexdigest() != card.regressor.sha256:
             raise GemFormatError("its regressor was exchanged or damaged", _ANOTHERS)
@@ -176,8 +156,8 @@ def _gem(tensors: Tensors, layout: Layout, card: Card, components: int | None) -
         uv_index=tensors["uv_index"],
         uv_size=card.uv_size,
         viewing=card.viewing,
-        arkit_weights=weights,
-        rest=rest,
+        arkit_weights=tensors.get("arkit_weights"),
+        rest=tensors.get("rest"),
         regressor=graph,
         about=card.about,
     )
@@ -195,13 +175,6 @@ def _basis(name: str, tensors: Tensors, layout: Layout) -> Basis:
 def _check_texels(uv_index: NDArray[np.uint16], uv_size: int) -> None:
     if (uv_index >= uv_size).any():
         raise GemFormatError(f"its UV index points outside of a map of {uv_size} texels a side")
-
-
-def _leading(layout: Layout, components: int) -> NDArray[np.intp]:
-    """Places of the coefficients that are left when each modality keeps its first ``components``."""
-    counts = [layout.components[name] for name in MODALITIES]
-    starts = np.cumsum([0, *counts[:-1]])
-    return np.concatenate([np.arange(s, s + min(components, k)) for s, k in zip(starts, counts, strict=True)])
 
 
 @contextmanager

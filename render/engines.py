@@ -4,19 +4,19 @@ import contextlib
 import threading
 import time
 from statistics import median
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Camera
+from .enginename import EngineName
 from .gaussians import RawGaussians
 from .software import SoftwareEngine
 
 if TYPE_CHECKING:
     import moderngl
 
-EngineName = Literal["auto", "quads", "software"]
 _TRIALS = 3
 """Frames drawn by each engine before the faster one is chosen."""
 

@@ -1,7 +1,6 @@
 """Measures drawing on this machine: median milliseconds by stage, for each engine."""
 
 import os
-import platform
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
@@ -23,6 +22,7 @@ from ...render.software import SoftwareEngine
 from ...render.splats import SplatRenderer
 from ..files.places import check_places
 from ..library import find_avatar
+from ..machine import cpu_name
 from ..performing.casting import open_avatar
 from ..performing.portrait import portrait
 from ..reenacting.reports import write_json
@@ -189,15 +189,6 @@ def _sum(values: Any) -> Any:
     for i in numba.prange(len(values)):
         total += values[i]
     return total
-
-
-def cpu_name() -> str:
-    """What the processor calls itself."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
-        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
 
 
 def _print(report: Report) -> None:

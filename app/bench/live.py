@@ -9,8 +9,8 @@ from statistics import median
 from rich.console import Console
 from rich.table import Table
 
-from ...render.engines import EngineName, open_engine
-from ..demo import has_display
+from ...render.enginename import EngineName
+from ...render.engines import open_engine
 from ..desk.driving import Driving
 from ..desk.keys import keymap
 from ..desk.layout import Layout, Panels
@@ -26,10 +26,10 @@ from ..desk.window import TITLE, DeskWindow
 from ..files.places import check_places
 from ..library import find_avatar
 from ..live import run_live
+from ..machine import cpu_name, has_display
 from ..performing.casting import Avatar
 from ..performing.figures import Spread
 from ..reenacting.reports import write_json
-from .drawing import cpu_name
 from .screen import reader_of
 from .source import StampedCamera, demo_pictures
 from .steal import told
@@ -160,7 +160,7 @@ def _measure(
     )
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     try:
-        run_live(witness, session)  # pyright: ignore[reportArgumentType]
+        run_live(witness, session)
         panels = _panel_cost(desk, session.view(time.perf_counter()))
         return _report(witness, session, captures[0], stamping, load, panels, size, components)
     finally:
@@ -173,15 +173,15 @@ def _panel_cost(desk: DeskWindow | DeskOffscreen, view: DeskView) -> float:
 
     The mean: panels that nobody touches are not drawn in every frame.
     """
-    screen = desk._screen
-    panels, costs = screen._panels, []
+    screen = desk.screen
+    panels, costs = screen.panels, []
     for _ in range(PANEL_BLOCKS):
         means: dict[bool, float] = {}
         for dressed in (True, False):
-            screen._panels = panels if dressed else _NoPanels()  # the picture stays where it is
+            screen.panels = panels if dressed else _NoPanels()  # the picture stays where it is
             means[dressed] = sum(_shown(desk, view) for _ in range(PANEL_FRAMES)) / PANEL_FRAMES
         costs.append(means[True] - means[False])  # neighbours: a machine that changes its pace changes both
-    screen._panels = panels
+    screen.panels = panels
     return 1e3 * median(costs)
 
 
@@ -214,7 +214,7 @@ def _report(
     gem = session.stage.avatar.gem if session.stage.avatar else None
     began, frames = witness.began or witness.ended, witness.frames.count
     seconds = witness.ended - began
-    readings = session.gauges._figures.view(witness.ended).stages
+    readings = session.gauges.stages(witness.ended)
     memory = [megabytes for _, megabytes in witness.rss]
     tenth = max(1, len(memory) // 10)
     early, late = median(memory[:tenth] or [0.0]), median(memory[-tenth:] or [0.0])

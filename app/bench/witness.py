@@ -1,9 +1,8 @@
 """Stands between the live loop and its window, its engine and its capture, and sees what arrives on the screen."""
 
 import time
-from typing import Any, Protocol
+from typing import Protocol
 
-import moderngl
 import numpy as np
 import psutil
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from ..desk.layout import laid_out
 from ..desk.view import DeskView
 from ..feed.capture import Capture
 from ..inputs.source import Opener
+from ..live import Desk
 from ..performing.casting import Avatar
 from ..performing.figures import Ring
 from ..performing.shots import Shot
@@ -32,16 +32,13 @@ MOST = 100_000
 """Figures kept: half an hour and more."""
 
 
-class Desk(Protocol):
-    """What the live loop knows of a window."""
+class Window(Desk, Protocol):
+    """A desk that can be measured."""
 
-    context: moderngl.Context
-    size: Any
-
-    def poll(self, wait: float = 0.0) -> list[Order]: ...
-    def wake(self) -> None: ...
-    def show(self, picture: NDArray[np.uint8] | None, view: DeskView) -> None: ...
-    def close(self) -> None: ...
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in screen units."""
+        ...
 
 
 class BenchCapture(Capture):
@@ -110,7 +107,7 @@ class StampingEngine:
 class Witness:
     """A window that reads from its own pixels which frame of the camera is to be seen, and when."""
 
-    def __init__(self, desk: Desk, reader: Reader, camera: StampedCamera, warm_up: float, seconds: float) -> None:
+    def __init__(self, desk: Window, reader: Reader, camera: StampedCamera, warm_up: float, seconds: float) -> None:
         """Measures ``seconds`` from ``warm_up`` seconds after the first picture on, then asks the loop to quit."""
         self._desk, self._reader, self._camera = desk, reader, camera
         self._warm_up, self._seconds = warm_up, seconds
@@ -129,8 +126,13 @@ class Witness:
         self.rss: list[tuple[float, float]] = []
         """Seconds and MB, once a second."""
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._desk, name)
+    def wake(self) -> None:
+        """As the window's."""
+        self._desk.wake()
+
+    def clean(self, picture: NDArray[np.uint8] | None) -> bool:
+        """As the window's."""
+        return self._desk.clean(picture)
 
     @property
     def measuring(self) -> bool:

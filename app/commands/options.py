@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter, Token
 
+from ...render.enginename import EngineName as EngineName
+
 
 def _whole(kind: type, tokens: Sequence[Token]) -> int:
     """Cyclopts by itself rounds what has a point in it."""
@@ -28,6 +30,5 @@ Seed = Annotated[int, Parameter(converter=_seed)]
 Out = Annotated[str, Parameter(name=["--out", "-o"])]
 AvatarName = Annotated[str | None, Parameter(name="--avatar")]
 Size = Annotated[str, Parameter(name="--size")]
-EngineName = Literal["auto", "quads", "software"]
 NoBadge = Annotated[str | None, Parameter(name="--no-badge")]
 DriverName = Literal["learned", "baseline"]

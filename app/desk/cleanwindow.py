@@ -12,11 +12,13 @@ from ..senders.fitting import fitted
 from ..senders.virtualcamera import CHROMA_GREEN
 from .picture import Area, PictureOnScreen
 
+TITLE = "gemheads clean"
+
 
 class CleanWindow:
     """A second window with nothing but the picture, to be captured by other programs."""
 
-    def __init__(self, size: tuple[int, int], listen: Callable[[Any], None], title: str = "gemheads clean") -> None:
+    def __init__(self, size: tuple[int, int], listen: Callable[[Any], None]) -> None:
         """Opens beside the first window, which keeps keyboard and context.
 
         ``listen`` is given the new window's handle to hear its keys. Raises NoOpenGLError.
@@ -24,7 +26,7 @@ class CleanWindow:
         before = glfw.get_current_context()
         for hint in (glfw.FOCUSED, glfw.FOCUS_ON_SHOW):
             glfw.window_hint(hint, glfw.FALSE)
-        self._window, self._context = window_context(*size, title)
+        self._window, self._context = window_context(*size, TITLE)
         listen(self._window)
         glfw.swap_interval(0)
         self._picture = PictureOnScreen(self._context)

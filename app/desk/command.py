@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...render.contexts import NoOpenGLError
-from ...render.engines import EngineName, open_engine
+from ...render.enginename import EngineName
+from ...render.engines import open_engine
 from ...render.software import SoftwareEngine
 from ...render.splats import SplatRenderer
 from ..errors import ExitCode, InputError
@@ -38,7 +39,6 @@ def live_command(
     size: tuple[int, int] = (512, 512),
     engine: EngineName = "auto",
     listen: str | None = None,
-    welcome: bool = True,
     no_badge: str = "",
 ) -> ExitCode:
     """Open the window and stay until it is closed.
@@ -52,7 +52,6 @@ def live_command(
         engine: what draws.
         listen: HOST:PORT for orders by OSC.
         no_badge: why what is recorded carries no SYNTHETIC badge; empty: it carries one.
-        welcome: show the card of the first run when neither driver nor camera is given.
 
     Raises:
         CommandError: when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
@@ -65,7 +64,7 @@ def live_command(
     settings, complaint = load_settings(file)
     roster = opening_roster(avatar, settings.avatar)
     remote = Remote(*read_listen(listen)) if listen is not None else None
-    state = replace(recalled(DeskState(), settings), welcome=welcome and driver is None and camera is None)
+    state = replace(recalled(DeskState(), settings), welcome=driver is None and camera is None)
     state = replace(state, no_badge=no_badge)
     if components is not None:
         state = replace(state, components=components)

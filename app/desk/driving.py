@@ -24,14 +24,14 @@ Tell = Callable[[str, bool], None]
 class Driving:
     """For the window's thread; what waits is in the capture thread."""
 
-    def __init__(self, tell: Tell, make: Callable[[Avatar], Any] = Capture, camera: str = "") -> None:
+    def __init__(self, tell: Tell, make: Callable[[Avatar], Any] = Capture) -> None:
         """
         Args:
             tell: for what goes wrong.
             make: the capture for the first avatar.
-            camera: the name of the camera that was used last.
         """
-        self.camera = camera
+        self.camera = ""
+        """The name of the camera that was used last."""
         self._tell, self._make = tell, make
         self._capture: Capture | None = None
         self._source: tuple[Opener | None, str] = (open_input(PERFORMANCE), "Performance")

@@ -1,12 +1,11 @@
 """How fast a session goes, and what the quality ladder makes of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
-from ..performing.figures import Figures
+from ..performing.figures import Figures, Spread
 from ..performing.ladder import Ladder, Quality, quality, said, update
 from ..performing.shots import Health, Shot
-from ..performing.timing import Stopwatch
 from .view import Readings
 
 READ_EVERY = 0.25
@@ -16,11 +15,10 @@ LONGEST_DT = 0.5
 long, one after the other."""
 
 
-class Gauges(Stopwatch):
+class Gauges:
     """Collects in the window's thread; stages are timed where they happen."""
 
     def __init__(self) -> None:
-        super().__init__()
         self._figures = Figures()
         self._ladder = Ladder()
         self._frame_at = self._read_at = float("-inf")
@@ -32,6 +30,10 @@ class Gauges(Stopwatch):
         """Time one visit to ``stage``."""
         with self._figures.timed(stage):
             yield
+
+    def stages(self, now: float) -> Mapping[str, Spread]:
+        """Stage -> milliseconds of the last visits to it."""
+        return self._figures.view(now).stages
 
     def quality(self, components: int) -> Quality:
         """What to draw of what the person wants, as far as the machine allows."""

@@ -37,12 +37,12 @@ def counts_of(gem: Gem) -> tuple[int, ...]:
     return (*(count for count in COUNTS if count < gem.components), gem.components)
 
 
-def curve_of(gem: Gem, seed: int = 0, ended: Callable[[], bool] = lambda: False) -> Curve | None:
-    """PSNR against all components, over expressions drawn from the avatar's own spread (one sigma, by ``seed``).
+def curve_of(gem: Gem, ended: Callable[[], bool] = lambda: False) -> Curve | None:
+    """PSNR against all components, over expressions drawn from the avatar's own spread (one sigma, always the same).
 
     Drawing takes the lock of the window's engine for one picture at a time. None when ``ended`` says so in between.
     """
-    spread = np.random.default_rng(seed).normal(size=(POSES, gem.coefficient_count)).astype(np.float32)
+    spread = np.random.default_rng(0).normal(size=(POSES, gem.coefficient_count)).astype(np.float32)
     vectors = [gem.rest_coefficients, *(gem.clamped(row * gem.sigma) for row in spread)]
     poses = [Pose(vector, NO_SHIFT) for vector in vectors]
     # splats of its own: those of the window are being drawn

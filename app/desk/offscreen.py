@@ -24,7 +24,7 @@ class DeskOffscreen:
         self.keymap: Keymap = keymap()
         self.visible = True
         self._target = self.context.simple_framebuffer(size, 4)
-        self._screen = Screen(self.context)
+        self.screen = Screen(self.context)
         self._orders: list[Order] = []
         self._writing = False
         self._released: imgui.Key | None = None
@@ -48,13 +48,13 @@ class DeskOffscreen:
         self.keymap, self._writing = view.keymap, view.state.writing
         with self.context:  # whoever drew in it or read from it has let it go
             if picture is not None:
-                self._screen.put(picture)
-            self._screen.draw(view, self._target)
+                self.screen.put(picture)
+            self.screen.draw(view, self._target)
         if self._released is not None:
             inputs.add_key_event(self._released, False)
             self._released = None
-        self._orders += self._screen.orders
-        self._screen.orders.clear()
+        self._orders += self.screen.orders
+        self.screen.orders.clear()
         self.shown += 1
 
     def clean(self, picture: NDArray[np.uint8] | None) -> bool:
@@ -77,7 +77,7 @@ class DeskOffscreen:
 
     def press(self, key: str) -> None:
         """Type a key by its name, such as ``Ctrl+Q``."""
-        typing = (self._writing or self._screen.typing) and key not in RESERVED
+        typing = (self._writing or self.screen.typing) and key not in RESERVED
         order = None if typing else self.keymap.order(key)
         self._orders += [order] if order is not None else []
 
@@ -111,6 +111,6 @@ class DeskOffscreen:
     def close(self) -> None:
         """Release the context."""
         with self.context:
-            self._screen.close()
+            self.screen.close()
             self._target.release()
         self.context.release()

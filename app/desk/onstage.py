@@ -16,7 +16,7 @@ from ..performing.casting import Avatar
 from ..performing.ladder import Quality
 from ..performing.performance import Pose
 from ..performing.shots import Shot
-from ..performing.timing import Stopwatch
+from ..performing.timing import Watch
 from . import explore
 from .beside import Beside
 from .loader import Loader, Refused
@@ -62,7 +62,7 @@ class OnStage:
         roster: Roster,
         engine: Callable[[], Engine],
         size: tuple[int, int],
-        watch: Stopwatch,
+        watch: Watch,
         warm: Callable[[], None],
     ) -> None:
         """``engine`` is opened with the first avatar, after ``warm`` has compiled what it needs in another thread;

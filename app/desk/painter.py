@@ -12,7 +12,7 @@ from ...render.engines import Engine
 from ..live import Stage, draw
 from ..performing.performance import Pose
 from ..performing.portrait import portrait
-from ..performing.timing import Stopwatch
+from ..performing.timing import Watch
 from ..words import read_colour
 from .compare import decibels, heat, joined
 from .light import lit
@@ -44,7 +44,7 @@ def curtain(width: int, height: int) -> Image:
 class Painter:
     """Draws one avatar by one engine, a picture at a time."""
 
-    def __init__(self, engine: Engine, size: tuple[int, int], watch: Stopwatch) -> None:
+    def __init__(self, engine: Engine, size: tuple[int, int], watch: Watch) -> None:
         """``size``: width and height of the picture in pixels."""
         self.engine, self.size, self.watch = engine, size, watch
         self.error_db: float | None = None

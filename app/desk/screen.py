@@ -42,7 +42,8 @@ class Screen:
         inputs.set_ini_filename("")  # nothing is written where the program happens to be started
         self._letters = theme.Letters()
         imgui.backends.opengl3_init("#version 330")
-        self._panels = Panels()
+        self.panels = Panels()
+        """What draws them."""
         self._scale = 0.0
         self._size: tuple[int, int] | None = None
         self._held = ""
@@ -125,7 +126,7 @@ class Screen:
         if begin is not None:
             begin()
         imgui.new_frame()
-        self._panels.draw(view, self._ask, layout, shown)
+        self.panels.draw(view, self._ask, layout, shown)
         self._point(view, layout.picture, shown)
         any_popup = imgui.PopupFlags_.any_popup.value
         self._covered = imgui.is_any_item_hovered() or imgui.is_any_item_active() or imgui.is_popup_open("", any_popup)

@@ -30,7 +30,7 @@ class CameraList:
             self._ended.wait(LOOK_SECS)
 
 
-def camera_named(name: str, size: tuple[int, int] = (640, 480), rate: float = 30.0) -> Opener:
+def camera_named(name: str) -> Opener:
     """What opens a camera: the one of this name, or one whose name has it in it, or the first where ``name`` is empty.
 
     Which one that is, is found out when it is opened. Once it was, no other one is opened in its place.
@@ -44,7 +44,7 @@ def camera_named(name: str, size: tuple[int, int] = (640, 480), rate: float = 30
         found = cameras()
         camera = _fitting(found, name)
         if camera is not None:
-            opener = open_camera(camera, size, rate)
+            opener = open_camera(camera)
             source, known = opener(), opener
             return source
         names = ", ".join(camera.name for camera in found)

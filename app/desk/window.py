@@ -74,7 +74,7 @@ class DeskWindow:
         glfw.set_framebuffer_size_callback(self._window, self._on_pixels)
         glfw.set_window_iconify_callback(self._window, self._on_minimise)
         self._presenter = Presenter(self._window, self.context.info["GL_RENDERER"])
-        self._screen = Screen(self.context, self._presenter.keeps)
+        self.screen = Screen(self.context, self._presenter.keeps)
         # imgui calls the callbacks that are there already: it comes last
         imgui.backends.glfw_init_for_opengl(ctypes.cast(self._window, ctypes.c_void_p).value or 0, True)
 
@@ -123,7 +123,7 @@ class DeskWindow:
         self.keymap, self._walking, self._writing = view.keymap, view.state.walking, view.state.writing
         glfw.make_context_current(self._window)  # an engine that drew in it has let it go
         if picture is not None:
-            self._screen.put(picture)
+            self.screen.put(picture)
         if not self.visible:
             return
         if view.state.full_screen != (glfw.get_window_monitor(self._window) is not None):
@@ -131,10 +131,10 @@ class DeskWindow:
         touched = self._touched or bool(self._orders) or self._presenter.lost
         begin, density = imgui.backends.glfw_new_frame, self._pixels[0] / max(1, self.size[0])
         # moderngl believes a window's framebuffer to have for ever the size it was first seen with
-        changed = self._screen.draw(view, self.context.screen, begin, touched, density, self._pixels)
+        changed = self.screen.draw(view, self.context.screen, begin, touched, density, self._pixels)
         self._touched = False
-        self._orders += self._screen.orders
-        self._screen.orders.clear()
+        self._orders += self.screen.orders
+        self.screen.orders.clear()
         self._presenter.present(changed, self._pixels)
 
     def clean(self, picture: NDArray[np.uint8] | None) -> bool:
@@ -165,7 +165,7 @@ class DeskWindow:
         self._open = False
         self.clean(None)
         imgui.backends.glfw_shutdown()
-        self._screen.close()
+        self.screen.close()
         glfw.destroy_window(self._window)
         glfw.terminate()
 
@@ -226,7 +226,7 @@ class DeskWindow:
     def _press(self, name: str, modifiers: int) -> None:
         held = {"Ctrl": glfw.MOD_CONTROL, "Shift": glfw.MOD_SHIFT, "Alt": glfw.MOD_ALT}
         key = "+".join([*(word for word, bit in held.items() if modifiers & bit), name])
-        typing = self._writing or self._screen.typing
+        typing = self._writing or self.screen.typing
         if typing and (key not in RESERVED or (key == "Esc" and not self._writing)):
             return  # Esc belongs to a number that is being typed, too
         if self._walking and key in WALKING:

@@ -5,16 +5,16 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from ...models.captures.layout import CaptureError
 from ...models.metrics.tables import DIGITS
 from ...models.wholefile import write_whole
-from ..bench.drawing import cpu_name
-from ..errors import ExitCode, InputError, OutputError, UsageError
+from ..errors import ExitCode, InputError, TrainingExtra, UsageError, cannot_write
 from ..jobs import check_jobs
+from ..machine import cpu_name
 from ..making.opencapture import is_capture, is_run, opened
 from ..progress import ProgressBar
 from ..reenacting.reports import versions
@@ -77,7 +77,7 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
     except CaptureError as error:
         raise InputError(str(error)) from error
     except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+        raise cannot_write(out, error) from error
     except KeyboardInterrupt:
         print(f"{out}: stopped; what was judged is kept, and the same command continues")
         return ExitCode.INTERRUPTED
@@ -101,10 +101,8 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
     check_crossing(wish.crossing)
     if capture is None:
         return  # drivers are judged without torch
-    try:
+    with TrainingExtra("evaluating"):
         import_module("...models.train.judging.evaluate", __package__)
-    except ImportError as error:
-        raise InputError(f"evaluating needs {error.name}; install it: pip install 'gemheads[train]'") from error
 
 
 def _page(report: Mapping[str, Any], judged: Judged, sizes: Sizes | None, crossing: Crossing | None) -> str:
@@ -138,7 +136,7 @@ def _report(
         "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "command": command,
         "machine": {"processor": cpu_name(), "cores": os.cpu_count()},
-        "versions": {**versions(), **{package: _version(package) for package in ("torch", "flip-evaluator")}},
+        "versions": versions("torch", "flip-evaluator"),
         "capture": capture,
         "avatars": columns_json([entrant.column for entrant in columns]),
         "tables": judged.tables,
@@ -157,10 +155,3 @@ def _told(out: Path, report: Mapping[str, Any], sizes: Sizes | None, crossing: C
     lines += [] if sizes is None else sizes.said
     lines += [] if crossing is None else crossing.said
     return "\n".join([*lines, *report["notes"], f"{out / PAGE}, {out / FIGURES}"])
-
-
-def _version(package: str) -> str:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return "not installed"

@@ -27,7 +27,8 @@ class Frame:
 
 
 THUMBNAIL_SIDE = 32
-_LUMA = np.array([0.299, 0.587, 0.114], np.float32) / np.float32(255)
+LUMA = np.array([0.299, 0.587, 0.114], np.float32) / np.float32(255)
+"""Of RGB bytes, in [0, 1]."""
 CUT_DIFFERENCE = 0.16
 """Mean absolute change of luma, in [0, 1], between neighbours that no head or camera movement reaches."""
 
@@ -36,7 +37,7 @@ def thumbnail(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
     """[32, 32] luma in [0, 1] of single pixels on a grid: enough to see a cut, and nearly free."""
     rows = np.linspace(0, rgb.shape[0] - 1, THUMBNAIL_SIDE).astype(int)
     columns = np.linspace(0, rgb.shape[1] - 1, THUMBNAIL_SIDE).astype(int)
-    return np.dot(rgb[np.ix_(rows, columns)].astype(np.float32), _LUMA)
+    return np.dot(rgb[np.ix_(rows, columns)].astype(np.float32), LUMA)
 
 
 def is_cut(before: NDArray[np.float32], after: NDArray[np.float32]) -> bool:

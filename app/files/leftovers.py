@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ...models.wholefile import write_whole
-from ..errors import OutputError
+from ..errors import OutputError, cannot_write
 
 _FRAME = re.compile(r"frame_\d{6,}")
 _TORN = re.compile(r"\.frame_\d{6,}\.\w+\.\d+\.partial")
@@ -51,7 +51,7 @@ def take_over(
             file.unlink()
         write_whole(_note(folder, suffix), [json.dumps(dict(made_of), indent=1).encode()])
     except OSError as error:
-        raise OutputError(f"{folder}: cannot be written ({error.strerror}); check the folder and the space") from error
+        raise cannot_write(folder, error) from error
     if not resume or not left or former is None:
         return False, ""
     others = ", ".join(name for name in made_of if former.get(name) != made_of[name]) or "version of gemheads"

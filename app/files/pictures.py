@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.wholefile import write_whole
-from ..errors import OutputError
+from ..errors import cannot_write
 
 
 def write_png(image: NDArray[np.uint8], out: Path) -> None:
@@ -17,4 +17,4 @@ def write_png(image: NDArray[np.uint8], out: Path) -> None:
         out.parent.mkdir(parents=True, exist_ok=True)
         write_whole(out, [png.tobytes()])
     except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+        raise cannot_write(out, error) from error

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arkit import NAMES
+from ...models.driver.face import LEAST_SIDE, MOST_SIDE
 from ..files.frames import Frame
 from ..performing.performance import Pose
 
@@ -45,10 +46,6 @@ class PoseFrame:
 
 
 Delivery = Frame | WeightsFrame | PoseFrame
-
-
-LEAST_SIDE, MOST_SIDE = 16, 16384
-"""Pixels a side of a picture in which a face can be looked for."""
 
 
 def is_sound(delivery: Delivery) -> bool:

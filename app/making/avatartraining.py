@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...models.captures.layout import CaptureError
 from ...models.captures.reader import open_capture
-from ..errors import ExitCode, InputError, OutputError, UsageError
+from ..errors import ExitCode, InputError, TrainingExtra, UsageError, cannot_write
 from ..progress import ProgressBar
 
 if TYPE_CHECKING:
@@ -35,11 +35,9 @@ class TrainWish:
 
 def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
     """Train, or go on; then say how good it is. Raises CommandError; stopped with Ctrl-C it can go on later."""
-    try:
+    with TrainingExtra("training"):
         from ...models.train.avatars.runs import RunError
         from ...models.train.avatars.train_avatar import train_avatar
-    except ImportError as error:
-        raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     plan = _planned(wish)
     try:
         opened = open_capture(capture)
@@ -48,7 +46,7 @@ def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
     except (CaptureError, RunError) as error:
         raise InputError(str(error)) from error
     except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+        raise cannot_write(out, error) from error
     print(_told(out, plan, outcome))
     return ExitCode.OK
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.captures.layout import CaptureError
-from ..errors import ExitCode, InputError
+from ..errors import ExitCode, InputError, TrainingExtra
 from ..files.pictures import write_png
 from ..files.places import check_places
 from ..performing.casting import open_avatar
@@ -37,11 +37,9 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
 
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
-    try:
+    with TrainingExtra("fitting"):
         from ...models.train.synthesis.fit import THOROUGH
         from ...models.train.synthesis.fitcapture import ALONE, fit_moments
-    except ImportError as error:
-        raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     cast, footage = open_avatar(avatar), opened(capture)
     shots = chosen(footage, wish.split, wish.cameras)
     check_places(out, wish.errors, read=[capture, avatar])

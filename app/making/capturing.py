@@ -10,7 +10,7 @@ from ...models.studio.blender import BlenderError
 from ...models.studio.shoot import Plan, require_renderer, shoot
 from ...models.studio.subject import SubjectError, load_subject
 from ...models.wholefile import write_whole
-from ..errors import ExitCode, InputError, OutputError, UsageError
+from ..errors import ExitCode, InputError, UsageError, cannot_write
 from ..progress import ProgressBar
 
 ORDER = "shooting.json"
@@ -35,7 +35,7 @@ def run_capturing(out: Path, name: str, plan: Plan) -> ExitCode:
     except BlenderError as error:
         raise InputError(str(error)) from error
     except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+        raise cannot_write(out, error) from error
     kept = f", {done.pictures - done.drawn} were there" if done.drawn < done.pictures else ""
     print(f"{out}: {done.pictures} pictures of {plan.train} + {plan.test} moments from {plan.cameras} cameras{kept}")
     return ExitCode.OK

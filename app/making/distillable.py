@@ -14,7 +14,7 @@ from ...models.importers.gaussianavatars import SPLATS, is_bound, open_bound
 from ...models.importers.lam import MESH, load_lam
 from ...models.importers.plysequence import MAX_FRAMES, open_sequence
 from ...models.importers.source import Source
-from ..errors import InputError, UsageError
+from ..errors import InputError, TrainingExtra, UsageError
 from ..words import refuse
 from .opencapture import is_capture, is_run
 
@@ -85,11 +85,9 @@ def _bare_mesh(path: Path, wanted: Wanted, progress: Progress) -> Opened:
 
 
 def _run(path: Path) -> Opened:
-    try:
+    with TrainingExtra("a training run"):
         from ...models.train.avatars.run_source import run_source
         from ...models.train.avatars.runs import RunError, open_run
-    except ImportError as error:
-        raise InputError(f"a training run needs {error.name}; install it: pip install 'gemheads[train]'") from error
     try:
         run = open_run(path)
         return Opened(run_source(run), run.capture)

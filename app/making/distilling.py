@@ -11,7 +11,7 @@ from ...models.gemfile import GemFormatError, save_gem
 from ...models.importers.adopt import TooLargeError, adopt
 from ...models.importers.foreign import ForeignFormatError
 from ...models.wholefile import file_sha256
-from ..errors import ExitCode, InputError, OutputError, UsageError
+from ..errors import ExitCode, InputError, OutputError, UsageError, cannot_write
 from ..files.places import check_avatar_name, check_places
 from ..performing.performance import Pose
 from ..progress import ProgressBar
@@ -54,7 +54,7 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
     except GemFormatError as error:
         raise InputError(f"{place}: gives no sound avatar: {error.what}; {error.cure}") from error
     except OSError as error:
-        raise OutputError(f"{out}: cannot be written ({error.strerror}); check the folder and the space") from error
+        raise cannot_write(out, error) from error
     if wanted.moments is not None:
         _save_moments(gem, out, opened, wanted.moments)
     for modality in MODALITIES:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...models.driver.answer import Express
 from ...models.driver.face import MOST_SIDE
 from ...render.camera import Camera
-from ..errors import ExitCode, InputError, UsageError
+from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.frames import Frame
 from ..files.pictures import write_png
 from ..files.places import check_places
@@ -68,10 +68,8 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
 
     Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
     """
-    try:
+    with TrainingExtra("fitting"):
         from ...models.train.synthesis import fit as _  # noqa: F401 (only whether it can be had)
-    except ImportError as error:
-        raise InputError(f"fitting needs {error.name}; install it: pip install 'gemheads[train]'") from error
     source = open_source(picture, wish.rate, MOST_SIDE)  # a camera counts in the pixels of the file
     cast = open_avatar(avatar)
     check_places(out, wish.errors, read=[*files_of(picture), avatar])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...models.captures.layout import CaptureError
 from ...models.gemfile import load_gem, read_info, save_gem
-from ..errors import ExitCode, InputError, NoFaceError, UsageError
+from ..errors import ExitCode, InputError, NoFaceError, TrainingExtra, UsageError
 from ..files.pictures import write_png
 from ..files.places import check_avatar_name, check_places, save_learned
 from ..performing.casting import open_avatar
@@ -45,15 +45,13 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
 
     Raises CommandError.
     """
-    try:
+    with TrainingExtra("training"):
         from ...models.train.regressors.capture_regressor import RegressorEffort, capture_regressor
         from ...models.train.regressors.footage import read_footage
         from ...models.train.regressors.response import AvatarNotSeen
         from ...models.train.regressors.selfreenact import self_reenactment
         from ...models.train.regressors.train_regressor import pictures_of
         from ...models.train.workers import WorkerLost, Workers
-    except ImportError as error:
-        raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     _check(wish)
     cast, footage = open_avatar(avatar), opened(capture)
     check_avatar_name(out)

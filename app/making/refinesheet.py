@@ -28,9 +28,7 @@ def refine_sheet(capture: Capture, before: Side, after: Side) -> NDArray[np.uint
     shots = [shot for shot in capture.val or capture.train if shot.timestep in after[1]]
     rows = []
     for shot in spaced(shots, ROWS):
-        rgba = capture.read(shot)
-        share = rgba[..., 3:] / 255
-        truth = np.round(rgba[..., :3] * share + 255 * np.array(capture.background) * (1 - share)).astype(np.uint8)
+        truth = capture.over_background(shot)
         first, second = (_drawn(capture, side, shot) for side in (before, after))
         rows.append(np.concatenate([truth, first, second, error_map((second / 255).astype(np.float32), truth)], 1))
     width = max(row.shape[1] for row in rows)

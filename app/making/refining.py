@@ -12,7 +12,7 @@ from ...models.captures.reader import Capture
 from ...models.gem import Gem
 from ...models.gemfile import GemFormatError, save_gem
 from ...models.wholefile import file_sha256
-from ..errors import ExitCode, InputError, UsageError
+from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.pictures import write_png
 from ..files.places import check_avatar_name, check_places, save_learned
 from ..performing.casting import Avatar, open_avatar
@@ -51,12 +51,10 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
 
     Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED. Killed, the same goes on where it was.
     """
-    try:
+    with TrainingExtra("refining"):
         from ...models.train.avatars.train_avatar import default_device
         from ...models.train.synthesis.refine import RefineEffort, refine
         from ...models.train.synthesis.unfinished import Unfinished
-    except ImportError as error:
-        raise InputError(f"refining needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if not LEAST <= wish.iterations <= MOST:
         raise UsageError(f"--iterations {wish.iterations}: choose from {LEAST} to {MOST}")
     check_avatar_name(out)

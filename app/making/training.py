@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...models.gem import Gem
 from ...models.gemfile import load_gem, read_info, save_gem
-from ..errors import ExitCode, InputError, UsageError
+from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.places import check_avatar_name, check_places, save_learned
 from ..jobs import affordable_jobs, check_jobs
 from ..progress import ProgressBar
@@ -36,11 +36,9 @@ class TrainingWish:
 
 def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode:
     """Train an avatar file's regressor, or how its head turns, and save the avatar with it. Raises CommandError."""
-    try:
+    with TrainingExtra("training"):
         from ...models.train.regressors.response import AvatarNotSeen
         from ...models.train.workers import WorkerLost
-    except ImportError as error:
-        raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     if wish.pictures < LEAST_PICTURES:
         raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more")
     check_learning(wish.steps, wish.jobs)
@@ -123,10 +121,8 @@ def processes(jobs: int | None) -> int:
 
 def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
     """Save an avatar with what ``former`` has learned. Raises InputError and OutputError."""
-    try:
+    with TrainingExtra("training"):
         from ...models.train.regressors.takeover import taken_over
-    except ImportError as error:
-        raise InputError(f"training needs {error.name}; install it: pip install 'gemheads[train]'") from error
     out = _place(out or avatar, [former])
     try:
         gem = load_gem(avatar)

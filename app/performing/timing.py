@@ -2,7 +2,16 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from typing import Protocol
+
+
+class Watch(Protocol):
+    """``with watch("draw"):`` around a stage."""
+
+    def __call__(self, stage: str) -> AbstractContextManager[None]:
+        """Time one visit to ``stage``."""
+        ...
 
 
 class Stopwatch:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...models.arkit import NAMES
 from ...models.wholefile import open_ordinary, write_whole
-from ..errors import InputError, OutputError, brief
+from ..errors import InputError, brief, cannot_write
 from ..files.tensorfile import read_json, read_ratio, read_tensor_file
 
 FORMAT = "gemheads-weights"
@@ -59,7 +59,7 @@ def save_weights(track: WeightsTrack, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, [save(tensors, {FORMAT: json.dumps(about, sort_keys=True)})])
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror}); check the folder") from error
+        raise cannot_write(path, error) from error
 
 
 def load_weights(path: Path) -> WeightsTrack:

@@ -4,14 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.driver.detector import overlap
-from ...models.driver.face import Box, FaceObservation
+from ...models.driver.face import SAME_FACE, Box, FaceObservation
 from ...models.driver.features import feature_vector, head_rotation
+from ..files.frames import LUMA
 from ..performing.shots import Observed
 from .following import Tracker
-
-SAME_FACE = 0.2
-"""Two boxes that overlap more than this (intersection over union) are the same face a moment later."""
-_LUMA = np.array([0.299, 0.587, 0.114], np.float32) / np.float32(255)
 
 
 def lock_next(tracker: Tracker, rgb: NDArray[np.uint8], box: Box | None) -> bool:
@@ -28,13 +25,13 @@ def observe(face: FaceObservation, rgb: NDArray[np.uint8], faces: int) -> Observ
     """A followed face of a picture [H, W, 3] that shows so many faces."""
     left, top, right, bottom = (max(0, round(side)) for side in face.box_px)
     inside = rgb[top:bottom:8, left:right:8]
-    surround = float(np.dot(rgb[::16, ::16].reshape(-1, 3).mean(0), _LUMA))
+    surround = float(np.dot(rgb[::16, ::16].reshape(-1, 3).mean(0), LUMA))
     return Observed(
         features=feature_vector(face),
         rotation=head_rotation(face),
         box_px=face.box_px,
         picture_size=face.image_size,
-        luma=float(np.dot(inside.reshape(-1, 3).mean(0), _LUMA)) if inside.size else surround,
+        luma=float(np.dot(inside.reshape(-1, 3).mean(0), LUMA)) if inside.size else surround,
         surround=surround,
         sharpness=face.sharpness,
         presence=face.presence,

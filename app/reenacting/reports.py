@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...models.wholefile import write_whole
-from ..errors import OutputError
+from ..errors import cannot_write
 from ..performing.performance import Pose
 from ..performing.presence import Phase
 
@@ -94,13 +94,13 @@ def write_json(path: Path, tree: object) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, [(json.dumps(tree, indent=2) + "\n").encode()])
     except OSError as error:
-        raise OutputError(f"{path}: the report cannot be written ({error.strerror}); check the folder") from error
+        raise cannot_write(path, error) from error
 
 
-def versions() -> dict[str, str]:
-    """Python, system and the packages that matter."""
+def versions(*more: str) -> dict[str, str]:
+    """Python, system and the packages that matter, and ``more`` of them."""
     found = {"python": platform.python_version(), "system": platform.platform()}
-    for package in _PACKAGES:
+    for package in (*_PACKAGES, *more):
         try:
             found[package] = metadata.version(package)
         except metadata.PackageNotFoundError:

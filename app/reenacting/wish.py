@@ -3,8 +3,8 @@
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from pathlib import Path
-from typing import Literal
 
+from ...render.enginename import EngineName
 from ..performing.casting import Driving
 from ..person.neutrals import AUTO, NeutralRule
 
@@ -21,7 +21,7 @@ class Wish:
     background: tuple[float, float, float] | None = (0.75, 0.75, 0.75)
     head_pose: bool = True
     resume: bool = False
-    engine: Literal["auto", "quads", "software"] = "auto"
+    engine: EngineName = "auto"
     driving: Driving = "learned"
     rate: Fraction = Fraction(30)
     """Frames per second of drivers that are pictures."""

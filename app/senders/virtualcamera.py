@@ -1,7 +1,6 @@
 """The avatar as a camera that a call or a stream can choose."""
 
 import sys
-from pathlib import Path
 from typing import Any, Protocol
 
 from ..credentials.badge import badged
@@ -31,14 +30,14 @@ class Device(Protocol):
 class VirtualCamera:
     """An outlet into a camera device; pictures of another size are fitted."""
 
-    def __init__(self, device: Device, size: Size, backdrop: tuple[int, int, int] = CHROMA_GREEN) -> None:
-        """``size`` is the device's: width and height in pixels; ``backdrop`` is RGB behind what is transparent."""
-        self._device, self._size, self._backdrop = device, size, backdrop
+    def __init__(self, device: Device, size: Size) -> None:
+        """``size`` is the device's: width and height in pixels."""
+        self._device, self._size = device, size
         self.status = f"shown as {device.name}, {size[0]}x{size[1]}"
 
     def send(self, shown: Shown) -> None:
         """Show one picture. Raises OutputError."""
-        picture = fitted(shown.picture, self._size, self._backdrop)
+        picture = fitted(shown.picture, self._size, CHROMA_GREEN)
         self._device.send(badged(picture) if shown.marks.camera_badge else picture)
 
     def close(self) -> None:
@@ -47,26 +46,23 @@ class VirtualCamera:
         self.status = "off"
 
 
-def open_virtual_camera(size: Size, path: Path | None = None, rate: int = 30) -> VirtualCamera:
+def open_virtual_camera(size: Size, rate: int = 30) -> VirtualCamera:
     """The virtual camera of this system.
 
     Args:
         size: width and height in pixels; an odd last row or column goes.
-        path: which loopback device of Linux; None for the first.
         rate: pictures a second, which only other systems need to know.
 
     Raises:
         OutputError: there is none, or it cannot be used; the text says what to do on this system.
     """
     size = even(size)
-    device = LoopbackCamera(_chosen(path), size) if sys.platform == "linux" else _PyVirtualCam(size, rate)
+    device = LoopbackCamera(_first(), size) if sys.platform == "linux" else _PyVirtualCam(size, rate)
     return VirtualCamera(device, size)
 
 
-def _chosen(path: Path | None) -> Loopback:
+def _first() -> Loopback:
     found = loopbacks()
-    if path is not None:
-        return next((device for device in found if device.path == path), Loopback(path, path.name))
     if not found:
         raise OutputError(f"no virtual camera: make one: {MAKE_ONE} (if that module is missing, {INSTALL})")
     return found[0]

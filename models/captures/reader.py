@@ -73,6 +73,16 @@ class Capture:
         path = self.folder / TRUTH / mesh_name(timestep)
         return read_vertices(path, self.template) if path.is_file() else None
 
+    def over_background(self, shot: Shot) -> NDArray[np.uint8]:
+        """A picture [H, W, 3] over the capture's background: as it was taken, where that is known.
+
+        Raises CaptureError like ``read``.
+        """
+        rgba = self.read(shot).astype(np.float32)
+        share = rgba[..., 3:] / 255
+        ground = 255 * np.array(self.background, np.float32)
+        return np.round(rgba[..., :3] * share + ground * (1 - share)).astype(np.uint8)
+
     def read(self, shot: Shot) -> NDArray[np.uint8]:
         """A picture as straight RGBA [H, W, 4], sRGB; alpha is 255 everywhere without a mask.
 

@@ -19,7 +19,7 @@ _LEAST_PRESENCE = 0.5
 _LEAST_REGION_PX = 8.0
 LEAST_SIDE, MOST_SIDE = 16, 16384
 """Of an image, in pixels."""
-_SAME_FACE = 0.2
+SAME_FACE = 0.2
 """Two boxes that overlap more than this (intersection over union) are the same face a moment later. On seven clips of
 talking heads one face overlaps itself by .84 or more from frame to frame, by .44 or more after half a second; two
 people side by side do not overlap at all."""
@@ -137,7 +137,7 @@ class FaceTracker:
         detections = self._detect(rgb)
         last = locked or self._last_box
         if last is not None:
-            detections.sort(key=lambda face: overlap(face.box_px, last) < _SAME_FACE)
+            detections.sort(key=lambda face: overlap(face.box_px, last) < SAME_FACE)
         for face in detections:
             found = self._look(rgb, face.region, len(detections))
             if found is not None and not _is_another(found, locked):
@@ -191,7 +191,7 @@ def _scaled(box: Box, across: float, down: float) -> Box:
 
 
 def _is_another(face: FaceObservation, locked: Box | None) -> bool:
-    return locked is not None and overlap(face.box_px, locked) < _SAME_FACE
+    return locked is not None and overlap(face.box_px, locked) < SAME_FACE
 
 
 def _upright(points: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -21,7 +21,7 @@ def found() -> dict[str, Finding]:
 @pytest.fixture(autouse=True)
 def no_display(monkeypatch: pytest.MonkeyPatch) -> None:
     """The tests look the same on a desktop and without one."""
-    monkeypatch.setattr("gemheads.app.demo.has_display", lambda: False)
+    monkeypatch.setattr("gemheads.app.machine.has_display", lambda: False)
 
 
 def test_what_is_missing_comes_with_its_cure_and_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

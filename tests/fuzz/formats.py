@@ -49,7 +49,7 @@ class Format:
 
 
 def _gem(path: Path) -> None:
-    for read in (lambda: load_gem(path), lambda: read_info(path), lambda: load_gem(path, 1)):
+    for read in (lambda: load_gem(path), lambda: read_info(path)):
         with suppress(GemFormatError):
             read()
 

@@ -184,7 +184,7 @@ def test_any_bytes_open_or_are_refused(sound: bytes, edits: list[tuple[int, byte
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fuzzed.gem"
         path.write_bytes(content)
-        for opening in (load_gem, read_info, lambda p: load_gem(p, 1)):
+        for opening in (load_gem, read_info):
             try:
                 opening(path)
             except GemFormatError as error:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gemheads.models.compaction import compact
 from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
-from gemheads.models.gemfile import GemFormatError, load_gem, read_info, save_gem
+from gemheads.models.gemfile import load_gem, read_info, save_gem
 from safetensors.numpy import load_file
 
 GOLDEN_SIZE = 4641
@@ -77,32 +77,6 @@ def test_a_regressor_is_added_without_touching_the_rest(tmp_path: Path) -> None:
     same(gem, again)
     assert gem.regressor is None
     assert again.regressor == b"graph"
-
-
-def test_few_components_are_a_truncated_avatar(tiny_gem: Gem, tmp_path: Path) -> None:
-    path = saved(replace(tiny_gem, regressor=b"graph"), tmp_path)
-    for count in (0, 1, 2, 9):
-        few = load_gem(path, components=count)
-        same(few, load_gem(path).truncated(count))
-        assert few.regressor is None
-
-
-def test_fewer_than_no_components_are_refused(tiny_gem: Gem, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="give 0 or more"):
-        load_gem(saved(tiny_gem, tmp_path), components=-1)
-
-
-def test_few_components_need_few_bytes(tmp_path: Path) -> None:
-    path = saved(random_gem(), tmp_path)
-    whole = load_gem(path)
-    content = bytearray(path.read_bytes())
-    info = load_file(path)["position.components"]
-    start = content.index(info[5:].tobytes())
-    content[start : start + info[5:].nbytes] = b"\x55" * info[5:].nbytes
-    path.write_bytes(content)
-    same(load_gem(path, components=5), whole.truncated(5))  # what was broken has not been read
-    with pytest.raises(GemFormatError, match="checksum does not fit"):
-        load_gem(path)
 
 
 def test_splats_that_stand_still_are_left_out_unseen() -> None:

@@ -21,7 +21,7 @@ PARTS = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "browInnerUp", "eyeBlin
 
 def person() -> Gem:
     """Mara, with few components."""
-    return load_gem(MARA, components=8)
+    return load_gem(MARA).truncated(8)
 
 
 def write_capture(

@@ -68,7 +68,7 @@ def neutral_of(capture: Capture) -> Neutral:
     tracker, found = FaceTracker(), []
     for timestep in sorted(shots, key=distance):
         tracker.reset()
-        face = tracker.track(_shown(capture, shots[timestep]))
+        face = tracker.track(capture.over_background(shots[timestep]))
         if face is not None:
             found.append((feature_vector(face), head_rotation(face)))
         if len(found) == NEUTRALS:
@@ -96,17 +96,10 @@ def see(
         if shot.camera_index != camera:
             tracker.reset()
             camera = shot.camera_index
-        face = tracker.track(_shown(capture, shot))
+        face = tracker.track(capture.over_background(shot))
         if face is not None:
             kept.append(shot)
             features.append((feature_vector(face) - neutral.features)[None])
             rotations.append(relative_rotation(head_rotation(face), neutral.rotation)[None].astype(np.float32))
         progress(done, len(shots))
     return Sightings(tuple(kept), np.concatenate(features), np.concatenate(rotations), len(shots) - len(kept))
-
-
-def _shown(capture: Capture, shot: Shot) -> NDArray[np.uint8]:
-    rgba = capture.read(shot).astype(np.float32)
-    share = rgba[..., 3:] / 255
-    ground = 255 * np.array(capture.background, np.float32)
-    return np.round(rgba[..., :3] * share + ground * (1 - share)).astype(np.uint8)

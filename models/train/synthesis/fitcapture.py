@@ -76,11 +76,8 @@ def fit_moments(
 
 def _view(capture: Capture, shot: Shot) -> tuple[NDArray[np.uint8], Camera]:
     """The picture over the capture's background, and its camera, no larger than LARGEST_SIDE."""
-    rgba = capture.read(shot)
-    height, width = rgba.shape[:2]
-    share = rgba[..., 3:] / np.float32(255)
-    ground = 255 * np.array(capture.background, np.float32)
-    picture = np.round(rgba[..., :3] * share + ground * (1 - share)).astype(np.uint8)
+    picture = capture.over_background(shot)
+    height, width = picture.shape[:2]
     shrink = min(1.0, LARGEST_SIDE / max(width, height))
     if shrink == 1:
         return picture, shot.camera

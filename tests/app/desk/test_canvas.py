@@ -47,13 +47,13 @@ def test_a_quick_frame_is_the_same_as_a_whole_one(
     view = DeskView(state=DeskState(welcome=False, mirror=mirror))
     first, second = np.random.default_rng(0).integers(0, 255, (2, *shape), np.uint8)
     draws: list[bool] = []
-    draw_panels = desk._screen._draw_panels
-    monkeypatch.setattr(desk._screen, "_draw_panels", lambda *given: (draws.append(True), draw_panels(*given)))
+    draw_panels = desk.screen._draw_panels
+    monkeypatch.setattr(desk.screen, "_draw_panels", lambda *given: (draws.append(True), draw_panels(*given)))
 
     def show(picture: np.ndarray, touched: bool) -> np.ndarray:
         with desk.context:
-            desk._screen.put(picture)
-            desk._screen.draw(view, desk._target, touched=touched)
+            desk.screen.put(picture)
+            desk.screen.draw(view, desk._target, touched=touched)
         return desk.pixels()
 
     desk.show(first, view)  # imgui settles its windows in the first frames
@@ -78,10 +78,10 @@ def test_where_the_screen_keeps_what_was_drawn_only_the_picture_is_drawn_and_nam
     first, second = np.random.default_rng(0).integers(0, 255, (2, 64, 64, 3), np.uint8)
 
     def show(picture: np.ndarray, kept: bool, touched: bool) -> tuple[np.ndarray, Box | None]:
-        desk._screen.kept = kept
+        desk.screen.kept = kept
         with desk.context:
-            desk._screen.put(picture)
-            changed = desk._screen.draw(view, desk._target, touched=touched)
+            desk.screen.put(picture)
+            changed = desk.screen.draw(view, desk._target, touched=touched)
         return desk.pixels(), changed
 
     desk.show(first, view)  # imgui settles its windows in the first frames

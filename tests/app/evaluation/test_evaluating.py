@@ -122,7 +122,7 @@ def test_stopped_it_goes_on_to_the_same_report(
     assert len(acted) == 4
     acted, stop = [], True
     assert evaluate(avatars[0], toy_capture, "-o", parts, *QUICK) == ExitCode.INTERRUPTED
-    assert "the same command goes on" in capsys.readouterr().out
+    assert "the same command continues" in capsys.readouterr().out
     assert not (parts / "report.json").exists()
     acted, stop = [], False
     assert evaluate(avatars[0], toy_capture, "-o", parts, *QUICK) == ExitCode.OK

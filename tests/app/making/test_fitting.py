@@ -162,7 +162,7 @@ def test_the_tracker_guesses_where_to_begin() -> None:
         pytest.skip(f"no avatar at {AVATAR}; make it with `make avatars`")
     from gemheads.app.making.firstguess import Guesser
 
-    gem = load_gem(AVATAR, components=5)
+    gem = load_gem(AVATAR).truncated(5)
     camera = portrait(gem.viewing, 256, 256, yaw_deg=15)
     guesser = Guesser(gem, camera, GREY, None)
     turn, move = (0.1, -0.25, 0.05), (0.01, 0.005, 0.0)

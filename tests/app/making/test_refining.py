@@ -78,9 +78,10 @@ def test_where_nothing_improves_the_old_one_stays(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     from gemheads.models.gem import MODALITIES
+    from gemheads.models.train.synthesis import refine
 
-    monkeypatch.setattr("gemheads.models.train.synthesis.refine.RATES", dict.fromkeys(MODALITIES, 5.0))
-    monkeypatch.setattr("gemheads.models.train.synthesis.refine.SLOWER", 1.0)
+    monkeypatch.setattr(refine, "RATES", dict.fromkeys(MODALITIES, 5.0))
+    monkeypatch.setattr(refine, "SLOWER", 1.0)
     avatar = tmp_path / "toy.gem"
     avatar.write_bytes(bare[0].read_bytes())
     assert main(["refine", str(avatar), str(toy_capture), "--no-perceptual", "--iterations", "10"]) == ExitCode.OK

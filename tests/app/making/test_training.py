@@ -15,7 +15,7 @@ from gemheads.app.errors import ExitCode
         (("--steps", "0"), "--steps 0: choose 1 or more"),
         (("--seed", "-1"), "--seed: -1: choose from 0"),
         (("--jobs", "0"), "--jobs 0: choose from 1 to 256"),
-        (("--turns-only", "--rehearse-with", "theo"), "--turns-only rehearses nothing"),
+        (("--turns-only", "--rehearse-with", "theo"), "--rehearse-with has no effect with --turns-only"),
         (("--turns-only", "--take-over", "theo"), "--take-over trains nothing"),
     ],
 )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import date
 from statistics import median
 
-from gemheads.app.bench.drawing import cpu_name
+from gemheads.app.machine import cpu_name
 from packages import PINNED
 from viewers import Times
 

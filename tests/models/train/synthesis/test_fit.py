@@ -29,7 +29,7 @@ TURN, MOVE = np.float32([0.06, -0.14, 0.05]), np.float32([0.003, -0.002, 0.004])
 def mara() -> Gem:
     if not AVATAR.exists():
         pytest.skip(f"no avatar at {AVATAR}; make it with `make avatars`")
-    return load_gem(AVATAR, components=20)
+    return load_gem(AVATAR).truncated(20)
 
 
 def taken(gem: Gem, coefficients: np.ndarray, pose: HeadPose, camera: Camera) -> np.ndarray:
