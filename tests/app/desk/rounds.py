@@ -1,12 +1,10 @@
-"""Rounds of the loop without a window, and an output that keeps what it gets."""
+"""Rounds of the loop without a window."""
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from gemheads.app.desk.session import Session
-from gemheads.app.senders.outlet import Shown
 
 from .conftest import Room
 
@@ -40,17 +38,3 @@ def until(session: Session, done: Callable[[], bool], secs: float = 20) -> np.nd
 def begin(room: Room) -> np.ndarray:
     """The first avatar on stage."""
     return until(room.session, lambda: room.session.stage.avatar is not None)
-
-
-@dataclass
-class Spy:
-    """An output that keeps what it gets."""
-
-    got: list[Shown]
-    status: str = "spying"
-
-    def send(self, shown: Shown) -> None:
-        self.got.append(shown)
-
-    def close(self) -> None:
-        pass

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 from gemheads.app.desk.command import await_files
 from gemheads.app.desk.outputs import Outputs
-
-from ..senders.test_fan import SOON, Keeper
+from keepers import SOON, Keeper
 
 
 class Signing(Keeper):

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from gemheads.app.desk import session as session_module
 from gemheads.app.desk.actions import Order
+from keepers import Keeper
 
 from .conftest import Room
-from .rounds import Spy, begin, turn, until
+from .rounds import begin, turn, until
 
 
 def test_space_freezes_where_nothing_can_be_paused(room: Room) -> None:
@@ -112,10 +113,10 @@ def test_a_frozen_picture_goes_on_to_outputs_and_can_be_saved(room: Room, monkey
     assert turn(room.session) is None  # nobody listens: nothing is drawn
     room.session.obey(Order("picture"))
     until(room.session, lambda: bool(list(room.folder.glob("*.png"))))
-    spy = Spy([])
+    spy = Keeper()
     room.session.outputs.fan.start("spy", lambda: spy)
-    until(room.session, lambda: len(spy.got) > 2)
-    assert all(np.array_equal(shown.picture, still) for shown in spy.got)
+    until(room.session, lambda: len(spy.kept) > 2)
+    assert all(np.array_equal(shown.picture, still) for shown in spy.kept)
 
 
 def test_a_recording_lasts_until_it_is_stopped_though_the_picture_was_frozen(room: Room) -> None:

@@ -8,8 +8,8 @@ from gemheads.app.desk.outputs import Outputs
 from gemheads.app.desk.state import DeskState
 from gemheads.app.performing.casting import open_avatar
 from gemheads.models.gemfile import save_gem
+from gems import ball
 
-from ..conftest import tiny_gem
 from .conftest import Room
 
 
@@ -24,7 +24,7 @@ def settled(room: Room) -> str:
 
 def test_an_avatar_without_consent_says_so_when_it_comes(room: Room, tmp_path: Path) -> None:
     assert "consent" not in settled(room)  # the first one has it
-    save_gem(replace(tiny_gem(3), name="somebody", about={}), tmp_path / "somebody.gem")
+    save_gem(replace(ball(3), name="somebody", about={}), tmp_path / "somebody.gem")
     assert room.session.driving.cast(open_avatar(tmp_path / "somebody.gem"))
     assert "somebody: licence not stated; no consent recorded" in settled(room)
 

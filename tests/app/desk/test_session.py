@@ -17,10 +17,11 @@ from gemheads.app.performing.shots import Health
 from gemheads.app.person.coach import coach
 from gemheads.app.person.restface import RestSession
 from gemheads.render.software import SoftwareEngine
+from keepers import Keeper
+from osc import message
 
 from .conftest import Room
-from .rounds import Spy, begin, turn, until
-from .test_remote import packet
+from .rounds import begin, turn, until
 
 
 def test_the_first_avatar_comes_at_rest_and_follows_the_newest_shot(room: Room) -> None:
@@ -113,7 +114,7 @@ def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
 
 def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_the_curtain(room: Room) -> None:
     begin(room)
-    spy = Spy([])
+    spy = Keeper()
     room.session.outputs.fan.start("spy", lambda: spy)
     room.capture.post(3.0)
     plain = turn(room.session)
@@ -130,11 +131,11 @@ def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_
     assert hidden is not None
     assert (hidden == CURTAIN).all()
     end = time.perf_counter() + 5
-    while not (spy.got and spy.got[-1].pose is None) and time.perf_counter() < end:
+    while not (spy.kept and spy.kept[-1].pose is None) and time.perf_counter() < end:
         time.sleep(0.01)
-    assert (spy.got[-1].picture == CURTAIN).all()
-    assert spy.got[-1].pose is None
-    assert spy.got[-1].avatar == ""
+    assert (spy.kept[-1].picture == CURTAIN).all()
+    assert spy.kept[-1].pose is None
+    assert spy.kept[-1].avatar == ""
 
 
 def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Room) -> None:
@@ -282,7 +283,7 @@ def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
             wait(lambda: session.stage.roster.current == 1)
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
                 for address, value in (("smoothing", 0.25), ("background", "green")):
-                    other.sendto(packet(f"/gemheads/{address}", value), ("127.0.0.1", remote.port))
+                    other.sendto(message(f"/gemheads/{address}", value), ("127.0.0.1", remote.port))
             wait(lambda: session.state.smoothing == 0.25 and session.state.background == "green")
             desk.press("W")
             wait(lambda: desk.clean_picture is not None and desk.shown > 5)

@@ -2,7 +2,6 @@
 
 import json
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from gemheads.models.gemfile import load_gem
 from gemheads.models.metrics.pixels import l1, psnr
 from gemheads.models.train.judging.contestants import GemContestant
 from gemheads.models.train.perceptual import TINY, Perceptual, WeightsMissing
+from links import Links
 
 QUICK = ("--lpips", "none", "--shots", "2")
 
@@ -29,19 +29,6 @@ def evaluate(*words: object) -> int:
 
 def report_of(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "report.json").read_text())
-
-
-class Links(HTMLParser):
-    """Everything a page asks for, and what it would run."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.asked: list[str] = []
-        self.tags: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.asked += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data", "action")]
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from devices import Device
+from faces import face
 from gemheads.app.feed.capture import Capture, Tuning
 from gemheads.app.feed.loop import Loop
 from gemheads.app.files.frames import Frame
@@ -22,7 +24,6 @@ from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.neutral import neutral_of
 
 from ..scripted import Clock, Person, Source, avatar, picture
-from ..test_live import face
 
 PATIENCE_SECS = 20.0
 """So long the busiest machine may take."""
@@ -111,34 +112,14 @@ def test_it_closes_while_a_source_hangs_in_reading(capture: Capture) -> None:
 
 def test_it_closes_while_a_camera_hangs_in_its_driver(capture: Capture) -> None:
     go_on = threading.Event()
-
-    class Device:
-        released = False
-
-        def isOpened(self) -> bool:
-            return True
-
-        def set(self, *_: float) -> None:
-            pass
-
-        def get(self, _: int) -> float:
-            return 30.0
-
-        def read(self) -> tuple[bool, None]:
-            go_on.wait(PATIENCE_SECS)
-            return False, None
-
-        def release(self) -> None:
-            self.released = True
-
-    device = Device()
+    device = Device(lambda: go_on.wait(PATIENCE_SECS) and None)
     choice = CameraChoice("Cam", 0)
     capture.use(open_camera(choice, connected=lambda: [choice], open_device=lambda _: device), "Cam")
     until(lambda: capture._loop.link is not None and capture._loop.link.source is not None)
     next_shot(capture)
     close_in_time(capture)
     go_on.set()
-    until(lambda: device.released)
+    assert device.released.wait(PATIENCE_SECS)
 
 
 def test_health_and_buttons_are_never_those_of_the_source_before(capture: Capture) -> None:
