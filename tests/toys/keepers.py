@@ -4,9 +4,7 @@ import threading
 
 from gemheads.app.errors import OutputError
 from gemheads.app.senders.outlet import Shown
-
-SOON = 20.0
-"""Seconds that it waits for its gate at most."""
+from waiting import SOON
 
 
 class Keeper:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import psutil
+from waiting import eventually
 
 PYTHON = [sys.executable, "-m", "gemheads.app.cli"]
 LONGEST = 60.0
@@ -28,10 +29,7 @@ def killed(words: Sequence[str], begun: Callable[[], object], secs: float) -> Ki
     """Kills ``gemheads`` with these words, so long after it has begun; one that ends in an error by itself fails."""
     with subprocess.Popen([*PYTHON, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
         try:
-            latest = time.monotonic() + LONGEST
-            while not begun() and process.poll() is None:
-                assert time.monotonic() < latest, f"{words[0]} does not begin"
-                time.sleep(0.005)
+            eventually(lambda: begun() or process.poll() is not None, LONGEST, what=f"{words[0]} to begin")
             time.sleep(secs)
             children = psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []
         finally:

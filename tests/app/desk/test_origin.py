@@ -9,16 +9,19 @@ from gemheads.app.desk.state import DeskState
 from gemheads.app.performing.casting import open_avatar
 from gemheads.models.gemfile import save_gem
 from gems import ball
+from waiting import eventually
 
 from .conftest import Room
 
 
 def settled(room: Room) -> str:
     """What is said once an avatar has been opened."""
-    until = time.perf_counter() + 20
-    while not room.captures and time.perf_counter() < until:
+
+    def come() -> bool:
         room.session.settle(time.perf_counter())
-        time.sleep(0.002)
+        return bool(room.captures)
+
+    eventually(come, what="an avatar")
     return " ".join(toast.text for toast in room.session.view(time.perf_counter()).toasts)
 
 

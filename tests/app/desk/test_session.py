@@ -12,6 +12,7 @@ from gemheads.app.desk.actions import Order
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
+from gemheads.app.desk.view import Toast
 from gemheads.app.live import run_live
 from gemheads.app.performing.shots import Health
 from gemheads.app.person.coach import coach
@@ -19,6 +20,7 @@ from gemheads.app.person.restface import RestSession
 from gemheads.render.software import SoftwareEngine
 from keepers import Keeper
 from osc import message
+from waiting import eventually, in_words
 
 from .conftest import Room
 from .rounds import begin, turn, until
@@ -130,11 +132,8 @@ def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_
     hidden = turn(room.session)
     assert hidden is not None
     assert (hidden == CURTAIN).all()
-    end = time.perf_counter() + 5
-    while not (spy.kept and spy.kept[-1].pose is None) and time.perf_counter() < end:
-        time.sleep(0.01)
+    eventually(lambda: spy.kept and spy.kept[-1].pose is None)
     assert (spy.kept[-1].picture == CURTAIN).all()
-    assert spy.kept[-1].pose is None
     assert spy.kept[-1].avatar == ""
 
 
@@ -145,9 +144,8 @@ def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Roo
     room.session.settle(now)
     room.session.draw(now)
     room.session.obey(Order("curtain", 1.0))
-    while (drawn := room.session.drawn()) is None:
-        assert not room.session.stage.free
-        time.sleep(0.001)
+    drawn = eventually(room.session.drawn)
+    assert drawn is not None
     assert (drawn.picture == CURTAIN).all()
     assert (drawn.preview == CURTAIN).all()
     assert drawn.pose is None
@@ -169,10 +167,12 @@ def test_numbers_beyond_sense_ask_for_nothing(room: Room, order: Order) -> None:
 def test_a_path_that_can_be_none_is_told(room: Room, words: str) -> None:
     begin(room)
     room.session.obey(Order("open", words))
-    until_refused = time.perf_counter() + 20
-    while not room.session.view(time.perf_counter()).toasts:
-        assert time.perf_counter() < until_refused
+
+    def toasts() -> tuple[Toast, ...]:
         turn(room.session)
+        return room.session.view(time.perf_counter()).toasts
+
+    assert eventually(toasts)[-1].alarm
 
 
 def test_the_next_but_one_is_asked_for_by_asking_twice(room: Room) -> None:
@@ -293,11 +293,11 @@ def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
         desk.press("Ctrl+Q")
 
     def wait(done: Callable[[], bool]) -> None:
-        end = time.perf_counter() + 20
-        while not done():
+        def so() -> bool:
             room.captures and room.captures[0].post(2.0)
-            assert time.perf_counter() < end
-            time.sleep(0.01)
+            return done()
+
+        eventually(so, what=in_words(done))
 
     ended: list[float] = []
     hands = threading.Thread(target=person)

@@ -16,6 +16,7 @@ from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import DeskView
 from gemheads.app.senders.virtualcamera import CHROMA_GREEN
 from sealed import seal
+from waiting import eventually, in_words
 
 REASON = "needs Xvfb and xdotool (Debian: apt-get install xvfb xdotool)"
 driven = pytest.mark.skipif(not (shutil.which("Xvfb") and shutil.which("xdotool")), reason=REASON)
@@ -63,13 +64,15 @@ class Running:
         lines = [line for line in self.log.read_text().splitlines() if line.startswith("STATE")]
         return lines[-1] if lines else ""
 
-    def until(self, done: Callable[[str], bool], secs: float = 30) -> str:
-        end = time.perf_counter() + secs
-        while not done(state := self.state()):
+    def until(self, done: Callable[[str], bool]) -> str:
+        """The first state of which this is true."""
+
+        def there() -> str:
             assert self.process.poll() is None, self.log.read_text()[-2000:]
-            assert time.perf_counter() < end, f"last state: {state}"
-            time.sleep(0.03)
-        return state
+            state = self.state()
+            return state if done(state) else ""
+
+        return eventually(there, 30, self.state, in_words(done))
 
     def xdotool(self, *words: str) -> str:
         done = subprocess.run(

@@ -22,31 +22,19 @@ from gemheads.app.performing.casting import Avatar, open_avatar
 from gemheads.app.performing.shots import Shot
 from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.neutral import neutral_of
+from waiting import SOON, eventually, in_words
 
 from ..scripted import Clock, Person, Source, avatar, picture
 
-PATIENCE_SECS = 20.0
-"""So long the busiest machine may take."""
-
-
-def until(true: Callable[[], object]) -> None:
-    begun = time.perf_counter()
-    while not true():
-        assert time.perf_counter() - begun < PATIENCE_SECS
-        time.sleep(0.005)
-
 
 def next_shot(capture: Capture, fit: Callable[[Shot], bool] = lambda shot: True) -> Shot:
-    found: list[Shot] = []
-
-    def there() -> bool:
+    def there() -> Shot | None:
         shot = capture.newest()
-        if shot is not None and fit(shot):
-            found.append(shot)
-        return bool(found)
+        return shot if shot is not None and fit(shot) else None
 
-    until(there)
-    return found[0]
+    found = eventually(there, what=in_words(fit))
+    assert found is not None
+    return found
 
 
 @dataclass
@@ -56,7 +44,7 @@ class Hanging(Source):
     go_on: threading.Event = field(default_factory=threading.Event)
 
     def read(self, timeout: float) -> Delivery | None:
-        self.go_on.wait(PATIENCE_SECS)
+        self.go_on.wait(SOON)
         return None
 
 
@@ -91,42 +79,42 @@ def test_it_closes_while_a_source_hangs_in_opening(capture: Capture) -> None:
     late = Source()
 
     def hang() -> Source:
-        go_on.wait(PATIENCE_SECS)
+        go_on.wait(SOON)
         return late
 
     capture.use(hang, "slow")
-    until(lambda: capture.health.phase == "opening")
+    eventually(lambda: capture.health.phase == "opening")
     next_shot(capture)  # the avatar lives on meanwhile
     close_in_time(capture)
     go_on.set()
-    until(lambda: late.closed)
+    eventually(lambda: late.closed)
 
 
 def test_it_closes_while_a_source_hangs_in_reading(capture: Capture) -> None:
     hanging = Hanging()
     capture.use(lambda: hanging, "hanging")
-    until(lambda: capture.health.phase != "no source" or capture._loop.link is not None)
+    eventually(lambda: capture.health.phase != "no source" or capture._loop.link is not None)
     close_in_time(capture)
     hanging.go_on.set()
 
 
 def test_it_closes_while_a_camera_hangs_in_its_driver(capture: Capture) -> None:
     go_on = threading.Event()
-    device = Device(lambda: go_on.wait(PATIENCE_SECS) and None)
+    device = Device(lambda: go_on.wait(SOON) and None)
     choice = CameraChoice("Cam", 0)
     capture.use(open_camera(choice, connected=lambda: [choice], open_device=lambda _: device), "Cam")
-    until(lambda: capture._loop.link is not None and capture._loop.link.source is not None)
+    eventually(lambda: capture._loop.link is not None and capture._loop.link.source is not None)
     next_shot(capture)
     close_in_time(capture)
     go_on.set()
-    assert device.released.wait(PATIENCE_SECS)
+    assert device.released.wait(SOON)
 
 
 def test_health_and_buttons_are_never_those_of_the_source_before(capture: Capture) -> None:
     before = OneThenHanging(name="before", transport=Playhead(10.0, 1 / 30))
     before.next = Frame(picture(), 0, Fraction(1, 30))
     capture.use(lambda: before, "before")
-    until(lambda: capture.health.frames == 1)
+    eventually(lambda: capture.health.frames == 1)
     assert capture.transport is before.transport
     after = Source(name="what it says itself")
     capture.use(lambda: after, "after")
@@ -134,7 +122,7 @@ def test_health_and_buttons_are_never_those_of_the_source_before(capture: Captur
     assert (health.phase, health.source, health.frames) == ("opening", "after", 0)
     assert capture.transport is None
     before.go_on.set()
-    until(lambda: capture.health.source == after.name)
+    eventually(lambda: capture.health.source == after.name)
 
 
 def test_wishes_return_at_once_whatever_the_source_does(capture: Capture) -> None:
@@ -164,16 +152,16 @@ def test_a_neutral_that_is_none_is_refused_at_once(capture: Capture) -> None:
 
 def test_a_wish_that_fails_does_not_end_the_show(capture: Capture) -> None:
     capture._loop.ask(lambda: 1 / 0)  # pyright: ignore[reportArgumentType]
-    until(lambda: "could not be done" in capture._loop._trouble[0])
+    eventually(lambda: "could not be done" in capture._loop._trouble[0])
     next_shot(capture)
 
 
 def test_a_wish_that_changes_a_paused_video_is_seen_at_once(capture: Capture) -> None:
     capture.use(open_input(str(DEMO_CLIP)), "clip")
-    until(lambda: capture.transport is not None and capture.health.settled)
+    eventually(lambda: capture.transport is not None and capture.health.settled)
     assert capture.transport is not None
     capture.transport.pause()
-    until(lambda: capture.newest() is None)
+    eventually(lambda: capture.newest() is None)
     time.sleep(0.1)
     capture.newest()
     capture.rest(neutral_of(face(jaw=0.9), 0, 0.0, "another"))
@@ -185,7 +173,7 @@ def test_a_real_face_drives_a_real_avatar_in_time() -> None:
     cast: Avatar = open_avatar(find_avatar())
     with Capture(cast) as capture:
         capture.use(open_input(str(DEMO_CLIP)), "clip")
-        until(lambda: capture.health.settled)
+        eventually(lambda: capture.health.settled)
         shots: list[Shot] = []
 
         def enough() -> bool:
@@ -193,7 +181,7 @@ def test_a_real_face_drives_a_real_avatar_in_time() -> None:
             shots.extend([shot] if shot else [])
             return len(shots) >= 40
 
-        until(enough)
+        eventually(enough)
         health = capture.health
     assert health.phase == "tracking"
     assert health.neutral
@@ -236,7 +224,7 @@ def test_a_real_tracker_survives_everything_a_camera_may_send() -> None:
 def test_every_shot_wakes_the_window(capture: Capture) -> None:
     woken = threading.Event()
     capture.rouse(woken.set)
-    assert woken.wait(PATIENCE_SECS)
+    assert woken.wait(SOON)
     assert capture.newest() is not None
 
 

@@ -1,24 +1,17 @@
 import threading
 import time
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from gemheads.app.errors import OutputError
 from gemheads.app.senders.fan import Fan
 from gemheads.app.senders.outlet import Image, Shown
-from keepers import SOON, Keeper
+from keepers import Keeper
+from waiting import SOON, eventually
 
 
 def picture(value: int = 0) -> Image:
     return np.full((4, 6, 3), value, np.uint8)
-
-
-def eventually(holds: Callable[[], bool]) -> None:
-    until = time.perf_counter() + SOON
-    while not holds():
-        assert time.perf_counter() < until, "waited in vain"
-        time.sleep(0.002)
 
 
 def values(keeper: Keeper) -> list[int]:

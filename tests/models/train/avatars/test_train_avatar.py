@@ -5,7 +5,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,6 +32,7 @@ from gemheads.models.train.avatars.train_avatar import PATIENCE, RETURNS, Traine
 from gemheads.models.train.deck import Deck, frontal, spaced  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from trainee import BRIEF  # noqa: E402
+from waiting import eventually  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -60,11 +60,13 @@ def test_thirty_steps_learn(trained: Path) -> None:
 
 def test_killed_at_any_moment_it_comes_to_the_same(capture: Capture, trained: Path, tmp_path: Path) -> None:
     training = subprocess.Popen([sys.executable, trainee.__file__, capture.folder, tmp_path])
-    until = time.monotonic() + 120
-    while (state := read_checkpoint(tmp_path)) is None or state["step"] < 10:
+
+    def midway() -> bool:
         assert training.poll() is None, "it ended before it could be killed"
-        assert time.monotonic() < until
-        time.sleep(0.02)
+        state = read_checkpoint(tmp_path)
+        return state is not None and state["step"] >= 10
+
+    eventually(midway, 120)
     training.send_signal(signal.SIGKILL)
     assert training.wait(20) == -signal.SIGKILL
     assert read_checkpoint(tmp_path)["step"] < 30
