@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from refusals import refusal
 
 if not hasattr(os, "getuid"):
     pytest.skip("permissions are those of POSIX", allow_module_level=True)
@@ -105,5 +106,5 @@ def test_a_folder_that_may_not_be_entered_is_told_in_one_line(tmp_path: Path) ->
     lines = done.stderr.partition("now\n")[2].splitlines()
     assert len(lines) == 4
     for line in lines:
-        assert line.startswith(f"error: {locked}")
+        assert refusal(f"{line}\n").startswith(f"error: {locked}")
         assert line.endswith("cannot be opened (Permission denied); check the path and its permissions")

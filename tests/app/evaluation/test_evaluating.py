@@ -19,6 +19,7 @@ from gemheads.models.metrics.pixels import l1, psnr
 from gemheads.models.train.judging.contestants import GemContestant
 from gemheads.models.train.perceptual import TINY, Perceptual, WeightsMissing
 from links import Links
+from refusals import refused
 
 QUICK = ("--lpips", "none", "--shots", "2")
 
@@ -220,9 +221,7 @@ def test_what_cannot_be_done_is_one_line(
     unjudged = emptied(toy_capture, tmp_path / "unjudged", "val", "test")
     places = {"toy": avatars[0], "capture": toy_capture, "unjudged": unjudged}
     out = () if "-o" in words else ("-o", "r")
-    assert evaluate(*(word.format(**places) for word in words), *out, "--lpips", "none") == code
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
+    found, error = refused(capsys, "evaluate", *(word.format(**places) for word in words), *out, "--lpips", "none")
+    assert found == code
     assert said in error
     assert not (tmp_path / "r").exists()

@@ -24,6 +24,7 @@ from gemheads.models.gemfile import save_gem
 from gems import ball
 from links import Links
 from pixelface import PixelTracker, painted
+from refusals import refused
 
 from ..conftest import Clip
 
@@ -260,7 +261,7 @@ def places(tiny: Path, drivers: tuple[Path, Path], make_clip: Clip, tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("words", "code", "told"),
+    ("words", "code", "said"),
     [
         (("{tiny}",), ExitCode.USAGE, "give a CAPTURE, or --drivers VIDEO..., or both"),
         (("{tiny}", "--drivers", "{ann}", "{ann}"), ExitCode.USAGE, "is given twice"),
@@ -283,17 +284,15 @@ def test_what_cannot_be_done_is_one_line(
     capsys: pytest.CaptureFixture[str],
     words: tuple[str, ...],
     code: ExitCode,
-    told: str,
+    said: str,
 ) -> None:
     if "{nobody}" in words:
         monkeypatch.setattr(PixelTracker, "track", lambda *_: None)
     out = () if "-o" in words else ("-o", places["out"])
     more = () if "--every" in words else ("--every", 1)
-    assert evaluate(*(word.format(**places) for word in words), *out, *more) == code
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    assert told in error
+    found, error = refused(capsys, "evaluate", *(word.format(**places) for word in words), *out, *more)
+    assert found == code
+    assert said in error
     assert not (places["out"] / "report.json").exists()
 
 
