@@ -55,7 +55,8 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
     for place in (folder, *folder.parents):
         if place.stat().st_uid == os.getuid() and place != Path("/tmp"):
             place.chmod(place.stat().st_mode | 0o055)  # the folders, but not the files, are open to the other user
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    places = (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", ""))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
     command = [sys.executable, "-c", PROGRAM, str(folder)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stderr
