@@ -7,48 +7,15 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
 from gemheads.models.gemfile import save_gem
-
-SPLATS, COMPONENTS = 400, 6
-
-
-def tiny_gem(seed: int = 0) -> Gem:
-    """A ball of splats the size of a head, with orthonormal components and a map from ARKit weights."""
-    rng = np.random.default_rng(seed)
-    directions = rng.normal(size=(SPLATS, 3))
-    positions = 0.1 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    means = {
-        "position": positions,
-        "rotation": np.tile([1.0, 0, 0, 0], (SPLATS, 1)),
-        "scale": np.full((SPLATS, 3), np.log(0.008)),
-        "opacity": np.full((SPLATS, 1), 3.0),
-    }
-    bases = {}
-    for name in MODALITIES:
-        width = SPLATS * CHANNELS[name]
-        components = np.linalg.qr(rng.normal(size=(width, COMPONENTS)))[0].T
-        rows = np.ascontiguousarray(np.vstack([means[name].reshape(1, -1), components]), np.float32)
-        bases[name] = Basis(rows, np.linspace(0.05, 0.02, COMPONENTS, dtype=np.float32))
-    return Gem(
-        name="tiny",
-        bases=bases,
-        colors=rng.uniform(0.2, 0.9, (SPLATS, 3)).astype(np.float32),
-        neck_weights=np.ones(SPLATS, np.float32),
-        neck_pivot=np.array([0, -0.1, 0], np.float32),
-        uv_index=np.stack([np.arange(SPLATS) % 64, np.arange(SPLATS) // 64], 1).astype(np.uint16),
-        uv_size=64,
-        viewing=Viewing((0.0, 0.0, 0.0), 0.2),
-        arkit_weights=rng.normal(0, 0.01, (52, 4 * COMPONENTS)).astype(np.float32),
-        about={"author": "test", "licence": "CC0", "consent": "synthetic", "source": "random numbers"},
-    )
+from gems import ball
 
 
 @pytest.fixture(scope="session")
 def tiny(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An avatar's file without a regressor."""
     path = tmp_path_factory.mktemp("avatars") / "tiny.gem"
-    save_gem(tiny_gem(), path)
+    save_gem(ball(), path)
     return path
 
 

@@ -6,6 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+from faces import face
 from gemheads.app.feed.loop import Loop
 from gemheads.app.files.frames import Frame
 from gemheads.app.inputs.source import Delivery, Kind, SourceLost, Transport
@@ -16,16 +17,14 @@ from gemheads.models.driver.detector import Detection
 from gemheads.models.driver.face import Box, FaceObservation
 from gemheads.models.driver.region import Region
 from gemheads.models.gem import Gem
-
-from .conftest import tiny_gem
-from .test_live import face
+from gems import ball
 
 RATE = 30
-GEM = tiny_gem()
+GEM = ball()
 
 
 def avatar(seed: int = 0, arkit: bool = True) -> Avatar:
-    gem: Gem = tiny_gem(seed)
+    gem: Gem = ball(seed)
     return Avatar(gem if arkit else replace(gem, arkit_weights=None), Path("tiny.gem"), f"sha of {seed}")
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
+from refusals import refused
 
 from .conftest import Clip
 
@@ -91,16 +92,6 @@ def test_what_is_imported(program: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def told(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
-    """Exit code and the one line on stderr."""
-    code = main(list(words))
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    assert "Traceback" not in error
-    return code, error
-
-
 def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
     avatar = ("--avatar", str(tiny), "--driver", "baseline")
     for words, said in (
@@ -122,7 +113,7 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
         (("export", str(tiny), "-o", "a", "--track", "t", "--set", "jawOpen=1"), "leave out one of the two"),
     ):
-        code, error = told(capsys, *words)
+        code, error = refused(capsys, *words)
         assert code == ExitCode.USAGE, error
         assert said in error
 
@@ -149,7 +140,7 @@ def test_unusable_inputs(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_pat
         ((str(tiny), *avatar), "not a readable video"),
         ((clip, "--track", str(tiny), *avatar), "not a track"),
     ):
-        code, error = told(capsys, "reenact", *words, "-o", out)
+        code, error = refused(capsys, "reenact", *words, "-o", out)
         assert code == ExitCode.INPUT, error
         assert said in error
     assert not Path(out).exists()
@@ -158,7 +149,7 @@ def test_unusable_inputs(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_pat
 def test_nobody_in_the_picture(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path, make_clip: Clip) -> None:
     out = str(tmp_path / "out.mp4")
     words = ("reenact", str(make_clip()), "-o", out, "--avatar", str(tiny), "--driver", "baseline")
-    code, error = told(capsys, *words)
+    code, error = refused(capsys, *words)
     assert code == ExitCode.NO_FACE
     assert "no face in the whole clip" in error
     assert not Path(out).exists()
@@ -166,19 +157,23 @@ def test_nobody_in_the_picture(capsys: pytest.CaptureFixture[str], tiny: Path, t
 
 def test_what_cannot_be_written(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    code, error = told(capsys, "export", str(tiny), "-o", str(tmp_path / "file" / "a.ply"))
+    code, error = refused(capsys, "export", str(tiny), "-o", str(tmp_path / "file" / "a.ply"))
     assert code == ExitCode.OUTPUT
     assert "cannot be written" in error
 
 
-def test_what_nobody_foresaw_is_one_line_and_debug_shows_where(monkeypatch: pytest.MonkeyPatch, tiny: Path) -> None:
+def test_what_nobody_foresaw_is_one_line_and_debug_shows_where(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tiny: Path
+) -> None:
     import gemheads.app.export as export
 
     def torn(*_: object) -> None:
         raise ZeroDivisionError("of no use")
 
     monkeypatch.setattr(export, "export_expression", torn)
-    assert main(["export", str(tiny), "-o", "a.ply"]) == ExitCode.UNEXPECTED
+    code, error = refused(capsys, "export", tiny, "-o", "a.ply")
+    assert code == ExitCode.UNEXPECTED
+    assert "unexpected ZeroDivisionError: of no use" in error
     with pytest.raises(ZeroDivisionError):
         main(["export", str(tiny), "-o", "a.ply", "--debug"])
 
@@ -201,15 +196,15 @@ def test_ply_of_an_expression(tiny: Path, tmp_path: Path) -> None:
         ("track", "x" * 300, "-o", "t"),
     ],
 )
-def test_a_name_that_is_too_long_is_told(capsys: pytest.CaptureFixture[str], words: tuple[str, ...]) -> None:
-    code, error = told(capsys, *words)
+def test_a_name_that_is_too_long_is_refused(capsys: pytest.CaptureFixture[str], words: tuple[str, ...]) -> None:
+    code, error = refused(capsys, *words)
     assert code == ExitCode.INPUT, error
     assert "File name too long); check the path" in error
 
 
 @pytest.mark.parametrize("words", [("distill", "", "-o", "x.gem"), ("train", "cap", "-o", " "), ("info", "")])
 def test_an_empty_word_is_not_the_current_folder(capsys: pytest.CaptureFixture[str], words: tuple[str, ...]) -> None:
-    code, error = told(capsys, *words)
+    code, error = refused(capsys, *words)
     assert code == ExitCode.USAGE, error
     assert "an empty word follows" in error
 
@@ -224,7 +219,7 @@ def test_an_empty_word_is_not_the_current_folder(capsys: pytest.CaptureFixture[s
     ],
 )
 def test_what_bench_cannot_measure(capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str) -> None:
-    code, error = told(capsys, "bench", *words)
+    code, error = refused(capsys, "bench", *words)
     assert code == ExitCode.USAGE, error
     assert said in error
 
@@ -241,6 +236,6 @@ def test_what_bench_cannot_measure(capsys: pytest.CaptureFixture[str], words: tu
 def test_options_that_do_nothing_are_refused(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, words: tuple[str, ...], said: str
 ) -> None:
-    code, error = told(capsys, *(word.format(picture=tmp_path / "a.png") for word in words))
+    code, error = refused(capsys, *(word.format(picture=tmp_path / "a.png") for word in words))
     assert code == ExitCode.USAGE, error
     assert said in error

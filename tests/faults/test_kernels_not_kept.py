@@ -6,12 +6,12 @@ import os
 import numpy as np
 import pytest
 from gemheads.app import export
-from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.render import software
 from gemheads.render.camera import orbit
 from gemheads.render.gaussians import RawGaussians
 from gemheads.render.software import SoftwareEngine
+from refusals import refused
 
 
 def full(*_: object, **__: object) -> None:
@@ -54,7 +54,6 @@ def test_a_command_says_that_a_disk_is_full(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path
 ) -> None:
     monkeypatch.setattr(export, "export_expression", full)
-    code = main(["export", "mara", "-o", str(tmp_path / "a.ply")])
-    error = capsys.readouterr().err
-    assert (code, error.count("\n")) == (ExitCode.OUTPUT, 1)
+    code, error = refused(capsys, "export", "mara", "-o", tmp_path / "a.ply")
+    assert code == ExitCode.OUTPUT
     assert error.startswith("error: a disk is full: make room")

@@ -16,29 +16,13 @@ from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.models.gemfile import load_gem
 from gemheads.models.wholefile import file_sha256
+from killing import LONGEST, PYTHON, killed
 
 from .conftest import Learned
-from .test_killed_commands import PYTHON
-
-LONGEST = 60.0
-"""Seconds that a command is waited for."""
 
 
 def evaluation(avatar: Path, capture: Path, out: Path, *more: str) -> list[str]:
     return ["evaluate", str(avatar), str(capture), "-o", str(out), "--lpips", "none", "--shots", "3", *more]
-
-
-def killed(words: list[str], begun: Path, secs: float) -> list[psutil.Process]:
-    """Kills a command so long after something is in the folder ``begun``; returns the processes it had started."""
-    with subprocess.Popen(PYTHON + words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        stop = time.monotonic() + LONGEST
-        while process.poll() is None and not any(begun.glob("*")):
-            assert time.monotonic() < stop
-            time.sleep(0.005)
-        time.sleep(secs)
-        children = psutil.Process(process.pid).children(recursive=True) if process.poll() is None else []
-        process.kill()
-    return children
 
 
 def judged(out: Path) -> dict[str, Any]:
@@ -61,13 +45,14 @@ def test_a_killed_evaluation_keeps_what_it_judged(learned: Learned, tmp_path: Pa
     jobs = ("--jobs", "1"), ("--jobs", "2")
     before: dict[str, Any] = {}
     for more in jobs:
-        children = killed(evaluation(avatar, capture, out, *more), out / "judged", rng.uniform(0.0, 0.5))
+        words = evaluation(avatar, capture, out, *more)
+        found = killed(words, lambda: any((out / "judged").glob("*")), rng.uniform(0.0, 0.5))
         kept = judged(out)
         assert {key: kept.get(key) for key in before} == before  # nothing that was judged is lost, or done again
         if (out / "report.json").exists():  # it was done just before
             assert len(tables(out)) == 2
         before = kept
-        _, alive = psutil.wait_procs(children, timeout=LONGEST)
+        _, alive = psutil.wait_procs(found.children, timeout=LONGEST)
         assert not alive, "a process that judged outlived its parent"
     assert before
     assert main(evaluation(avatar, capture, out, "--jobs", "1")) == ExitCode.OK

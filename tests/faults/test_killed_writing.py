@@ -1,13 +1,14 @@
 """kill -9 at any moment while a file is written over another: there is the one, or the other, and nothing between."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-if not hasattr(__import__("os"), "fork"):
+if not hasattr(os, "fork"):
     pytest.skip("only POSIX can kill so", allow_module_level=True)
 
 ROUNDS = 8
@@ -46,7 +47,8 @@ print(json.dumps(found))
 def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]:
     """Name -> what was there after each kill."""
     command = [sys.executable, "-c", KILLER, str(tmp_path_factory.mktemp("killed")), str(ROUNDS), "5"]
-    environment = {"PYTHONPATH": str(Path(__file__).parents[1]), "OPENBLAS_NUM_THREADS": "1", "PATH": ""}
+    places = (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", ""))
+    environment = {"PYTHONPATH": os.pathsep.join(filter(None, places)), "OPENBLAS_NUM_THREADS": "1", "PATH": ""}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])

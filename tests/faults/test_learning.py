@@ -9,16 +9,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from answers import BYTES, Answer, run
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem, save_gem
+from killing import killed
 from sealed import seal
 
 from .conftest import Learned
-from .test_full_disk import BYTES, Answer, run
-from .test_killed_commands import PYTHON, killed
 
 Answers = dict[str, Answer]
 LARGE = ("capture", "distill", "train", "refine", "evaluate")
@@ -109,7 +109,8 @@ def test_a_killed_capture_goes_on_to_the_same(learned: Learned, place: Callable[
     rng, out = random.Random(6), place("killed")
     whole = commands(learned, out / "whole")["capture"]
     words = commands(learned, out / "killed")["capture"]
-    assert killed([*PYTHON, *words], out / "killed" / "ada" / "images" / "00000_00.png", rng.uniform(0, 0.05))
+    first = out / "killed" / "ada" / "images" / "00000_00.png"
+    assert killed(words, first.exists, rng.uniform(0, 0.05)).in_time
     with pytest.raises(Exception, match="transforms_train"):
         open_capture(out / "killed" / "ada")
     for name, answer in run(0, {"whole": whole, "gone on with": words}).items():

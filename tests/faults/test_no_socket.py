@@ -3,13 +3,11 @@
 from pathlib import Path
 
 import pytest
+from answers import run
 from gemheads.app.cli import app
 from gemheads.app.inputs.oscin import PORTS
 
-from .test_full_disk import commands, frames, run
-from .test_killed_commands import played
-
-__all__ = ["frames", "played"]
+from .runs import commands
 
 AUDIT = """
 import sys

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from refusals import refusal
 
 if not hasattr(os, "getuid"):
     pytest.skip("permissions are those of POSIX", allow_module_level=True)
@@ -54,7 +55,8 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
     for place in (folder, *folder.parents):
         if place.stat().st_uid == os.getuid() and place != Path("/tmp"):
             place.chmod(place.stat().st_mode | 0o055)  # the folders, but not the files, are open to the other user
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    places = (str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", ""))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
     command = [sys.executable, "-c", PROGRAM, str(folder)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=100, check=False)
     assert done.returncode == 0, done.stderr
@@ -101,9 +103,12 @@ def test_a_folder_that_may_not_be_entered_is_told_in_one_line(tmp_path: Path) ->
     locked.mkdir(mode=0)
     command = [sys.executable, "-c", FORBIDDEN, str(locked), str(tmp_path / "open")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
-    assert [line for line in done.stdout.splitlines() if line.startswith("code")] == 4 * ["code 3"], done.stderr
+    codes = [line for line in done.stdout.splitlines() if line.startswith("code")]
+    assert codes == [*3 * ["code 3"], "code 5"], done.stderr  # what is read there, and what is written
     lines = done.stderr.partition("now\n")[2].splitlines()
     assert len(lines) == 4
     for line in lines:
-        assert line.startswith(f"error: {locked}")
+        assert refusal(f"{line}\n").startswith(f"error: {locked}")
+    for line in lines[:3]:
         assert line.endswith("cannot be opened (Permission denied); check the path and its permissions")
+    assert lines[3].endswith("cannot be written (Permission denied); check the folder and the space")

@@ -39,7 +39,8 @@ def fuzz(name: str, inputs: int, seed: int = 0, first: int = 0, limit: float = f
 def _run(name: str, seed: int, first: int, count: int, wrong: dict[int, str], until: float) -> int:
     """One process; returns the first number that it did not read."""
     command = [sys.executable, "-m", "fuzz.worker", name, str(seed), str(first), str(count)]
-    environment = {**os.environ, "PYTHONPATH": str(_ROOM), "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
+    places = os.pathsep.join(filter(None, (str(_ROOM), os.environ.get("PYTHONPATH", ""))))
+    environment = {**os.environ, "PYTHONPATH": places, "OPENBLAS_NUM_THREADS": "1", "OMP_WAIT_POLICY": "passive"}
     index = first - 1
     with tempfile.TemporaryFile("w+") as complaints:
         process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=complaints, text=True)

@@ -12,6 +12,7 @@ pytest.importorskip("torch", reason="evaluating needs the extra gemheads[train]"
 
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
+from refusals import refusal
 
 from .sections import UnknownReport, section, table
 
@@ -74,4 +75,4 @@ def test_the_bench_prints_it(folder: Path) -> None:
         [sys.executable, str(BENCH), "nowhere"], capture_output=True, text=True, timeout=60, check=False
     )
     assert done.returncode == 3
-    assert done.stderr.startswith("error: ")
+    assert refusal(done.stderr)

@@ -21,8 +21,7 @@ from gemheads.app.performing.shots import Health, Shot
 from gemheads.models.gemfile import save_gem
 from gemheads.render.contexts import NoOpenGLError
 from gemheads.render.software import SoftwareEngine
-
-from ..conftest import tiny_gem
+from gems import ball
 
 SIZE = (1100, 760)
 
@@ -92,7 +91,7 @@ def avatars(tmp_path: Path) -> tuple[Path, ...]:
     folder = tmp_path / "avatars"
     folder.mkdir()
     for seed, name in enumerate(("anna", "berta")):
-        save_gem(tiny_gem(seed), folder / f"{name}.gem")
+        save_gem(ball(seed), folder / f"{name}.gem")
     (folder / "broken.gem").write_bytes(b"no avatar at all")
     return tuple(folder / f"{name}.gem" for name in ("anna", "berta", "broken"))
 

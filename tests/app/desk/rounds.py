@@ -1,12 +1,12 @@
-"""Rounds of the loop without a window, and an output that keeps what it gets."""
+"""Rounds of the loop without a window."""
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
+from gemheads.app.desk.onstage import Drawn
 from gemheads.app.desk.session import Session
-from gemheads.app.senders.outlet import Shown
+from waiting import eventually, in_words
 
 from .conftest import Room
 
@@ -16,8 +16,14 @@ def turn(session: Session) -> np.ndarray | None:
     now = time.perf_counter()
     session.settle(now)
     session.draw(now)
-    while (drawn := session.drawn()) is None and not session.stage.free:
-        time.sleep(0.001)
+    drawn: Drawn | None = None
+
+    def come() -> bool:
+        nonlocal drawn
+        drawn = session.drawn()
+        return drawn is not None or session.stage.free
+
+    eventually(come, what="a picture, or nothing to draw")
     if drawn is None:
         return None
     session.offer(drawn, now)
@@ -25,32 +31,21 @@ def turn(session: Session) -> np.ndarray | None:
     return drawn.picture.copy()
 
 
-def until(session: Session, done: Callable[[], bool], secs: float = 20) -> np.ndarray:
+def until(session: Session, done: Callable[[], object]) -> np.ndarray:
     """Rounds until something is the case; the last picture."""
-    picture, end = None, time.perf_counter() + secs
-    while time.perf_counter() < end:
+    picture: np.ndarray | None = None
+
+    def so() -> bool:
+        nonlocal picture
         drawn = turn(session)
         picture = drawn if drawn is not None else picture
-        if done() and picture is not None:
-            return picture
-        time.sleep(0.002)
-    raise AssertionError("it did not come to that")
+        return bool(done()) and picture is not None
+
+    eventually(so, what=in_words(done))
+    assert picture is not None
+    return picture
 
 
 def begin(room: Room) -> np.ndarray:
     """The first avatar on stage."""
     return until(room.session, lambda: room.session.stage.avatar is not None)
-
-
-@dataclass
-class Spy:
-    """An output that keeps what it gets."""
-
-    got: list[Shown]
-    status: str = "spying"
-
-    def send(self, shown: Shown) -> None:
-        self.got.append(shown)
-
-    def close(self) -> None:
-        pass

@@ -1,17 +1,11 @@
 """Work beside the window's thread."""
 
 import threading
-import time
 from collections.abc import Callable
 
 import pytest
 from gemheads.app.desk.beside import Beside
-
-
-def waited(beside: Beside[int]) -> int:
-    while (result := beside.result()) is None:
-        time.sleep(0.001)
-    return result
+from waiting import SOON, eventually
 
 
 def test_a_piece_of_work_does_not_hold_up_who_asked_for_it_and_its_result_is_given_once() -> None:
@@ -20,14 +14,14 @@ def test_a_piece_of_work_does_not_hold_up_who_asked_for_it_and_its_result_is_giv
 
     def work() -> int:
         threads.append(threading.get_ident())
-        gate.wait(10)
+        gate.wait(SOON)
         return 7
 
     beside.begin(work, here=False)
     assert not beside.free
     assert beside.result() is None
     gate.set()
-    assert waited(beside) == 7
+    assert eventually(beside.result) == 7
     assert beside.free
     assert beside.result() is None
     assert threads[0] != threading.get_ident()
@@ -48,13 +42,13 @@ def test_whoever_waits_is_woken_when_it_is_done() -> None:
     beside.rouse = woken.set
 
     def work() -> int:
-        gate.wait(10)
+        gate.wait(SOON)
         return 7
 
     beside.begin(work, here=False)
     assert not woken.is_set()
     gate.set()
-    assert woken.wait(10)
+    assert woken.wait(SOON)
     assert beside.result() == 7
     beside.close()
 
@@ -71,9 +65,9 @@ def test_what_fails_in_the_other_thread_is_done_again_in_this_one() -> None:
         return work
 
     beside.begin(at_home(threading.get_ident()), here=False)
-    assert waited(beside) == 1
+    assert eventually(beside.result) == 1
     beside.begin(at_home(0), here=False)
     with pytest.raises(RuntimeError, match="no context"):
-        waited(beside)
+        eventually(beside.result)
     assert beside.free, "the next piece can begin all the same"
     beside.close()

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from gemheads.app.desk.command import await_files
 from gemheads.app.desk.outputs import Outputs
-
-from ..senders.test_fan import SOON, Keeper
+from keepers import Keeper
+from waiting import SOON
 
 
 class Signing(Keeper):

@@ -8,23 +8,26 @@ from gemheads.app.desk.outputs import Outputs
 from gemheads.app.desk.state import DeskState
 from gemheads.app.performing.casting import open_avatar
 from gemheads.models.gemfile import save_gem
+from gems import ball
+from waiting import eventually
 
-from ..conftest import tiny_gem
 from .conftest import Room
 
 
 def settled(room: Room) -> str:
     """What is said once an avatar has been opened."""
-    until = time.perf_counter() + 20
-    while not room.captures and time.perf_counter() < until:
+
+    def come() -> bool:
         room.session.settle(time.perf_counter())
-        time.sleep(0.002)
+        return bool(room.captures)
+
+    eventually(come, what="an avatar")
     return " ".join(toast.text for toast in room.session.view(time.perf_counter()).toasts)
 
 
 def test_an_avatar_without_consent_says_so_when_it_comes(room: Room, tmp_path: Path) -> None:
     assert "consent" not in settled(room)  # the first one has it
-    save_gem(replace(tiny_gem(3), name="somebody", about={}), tmp_path / "somebody.gem")
+    save_gem(replace(ball(3), name="somebody", about={}), tmp_path / "somebody.gem")
     assert room.session.driving.cast(open_avatar(tmp_path / "somebody.gem"))
     assert "somebody: licence not stated; no consent recorded" in settled(room)
 

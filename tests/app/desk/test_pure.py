@@ -14,8 +14,7 @@ from gemheads.app.desk.view import DeskView
 from gemheads.app.live import NO_SHIFT
 from gemheads.app.performing.performance import Pose
 from gemheads.models.gem import Gem
-
-from ..conftest import tiny_gem as head
+from gems import ball
 
 
 def test_a_slider_adds_its_sigmas_and_nothing_else(tiny_gem: Gem) -> None:
@@ -73,7 +72,7 @@ def test_the_comparison_shows_a_to_the_left_and_the_error_where_they_differ() ->
 
 
 def test_the_curve_rises_with_the_components_and_knows_what_they_cost() -> None:
-    gem = head()
+    gem = ball()
     curve = curve_of(gem)
     assert curve is not None
     assert curve_of(gem, ended=lambda: True) is None

@@ -6,29 +6,22 @@ from gemheads.app.desk.remote import LOOPBACK, read_listen, read_packet
 from gemheads.app.errors import UsageError
 from hypothesis import given
 from hypothesis import strategies as st
-from pythonosc.osc_message_builder import OscMessageBuilder
-
-
-def packet(address: str, *values: object) -> bytes:
-    builder = OscMessageBuilder(address)
-    for value in values:
-        builder.add_arg(value)  # pyright: ignore[reportArgumentType]
-    return builder.build().dgram
+from osc import message
 
 
 def test_every_action_can_be_asked_for_by_its_address() -> None:
     for action in ACTIONS:
         value: object = "white" if action.argument == "text" else 0.5
         expected = None if action.argument == "none" else value
-        assert read_packet(packet(action.osc, value)) == [Order(action.name, expected)]  # pyright: ignore
-        assert read_packet(packet(action.osc)) == [Order(action.name)]
+        assert read_packet(message(action.osc, value)) == [Order(action.name, expected)]  # pyright: ignore
+        assert read_packet(message(action.osc)) == [Order(action.name)]
 
 
 def test_integers_and_truth_values_are_numbers_and_other_things_are_not() -> None:
-    assert read_packet(packet("/gemheads/avatar", 2)) == [Order("avatar", 2.0)]
-    assert read_packet(packet("/gemheads/mirror", True)) == [Order("mirror", 1.0)]
-    assert read_packet(packet("/gemheads/zoom", "large")) == [Order("zoom")]
-    assert read_packet(packet("/gemheads/open", 3)) == [Order("open")]
+    assert read_packet(message("/gemheads/avatar", 2)) == [Order("avatar", 2.0)]
+    assert read_packet(message("/gemheads/mirror", True)) == [Order("mirror", 1.0)]
+    assert read_packet(message("/gemheads/zoom", "large")) == [Order("zoom")]
+    assert read_packet(message("/gemheads/open", 3)) == [Order("open")]
 
 
 @pytest.mark.parametrize(
@@ -39,8 +32,8 @@ def test_integers_and_truth_values_are_numbers_and_other_things_are_not() -> Non
         b"/gemheads/quit",
         b"\x00" * 64,
         b"#bundle\x00" + b"\xff" * 40,
-        packet("/gemheads/nothing"),
-        packet("/x"),
+        message("/gemheads/nothing"),
+        message("/x"),
     ],
 )
 def test_what_is_no_order_is_none(hostile: bytes) -> None:

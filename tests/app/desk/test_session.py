@@ -12,16 +12,19 @@ from gemheads.app.desk.actions import Order
 from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
+from gemheads.app.desk.view import Toast
 from gemheads.app.live import run_live
 from gemheads.app.performing.ladder import Quality
 from gemheads.app.performing.shots import Health
 from gemheads.app.person.coach import coach
 from gemheads.app.person.restface import RestSession
 from gemheads.render.software import SoftwareEngine
+from keepers import Keeper
+from osc import message
+from waiting import eventually, in_words
 
 from .conftest import Room
-from .rounds import Spy, begin, turn, until
-from .test_remote import packet
+from .rounds import begin, turn, until
 
 
 def test_the_first_avatar_comes_at_rest_and_follows_the_newest_shot(room: Room) -> None:
@@ -114,7 +117,7 @@ def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
 
 def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_the_curtain(room: Room) -> None:
     begin(room)
-    spy = Spy([])
+    spy = Keeper()
     room.session.outputs.fan.start("spy", lambda: spy)
     room.capture.post(3.0)
     plain = turn(room.session)
@@ -130,12 +133,9 @@ def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_
     hidden = turn(room.session)
     assert hidden is not None
     assert (hidden == CURTAIN).all()
-    end = time.perf_counter() + 5
-    while not (spy.got and spy.got[-1].pose is None) and time.perf_counter() < end:
-        time.sleep(0.01)
-    assert (spy.got[-1].picture == CURTAIN).all()
-    assert spy.got[-1].pose is None
-    assert spy.got[-1].avatar == ""
+    eventually(lambda: spy.kept and spy.kept[-1].pose is None)
+    assert (spy.kept[-1].picture == CURTAIN).all()
+    assert spy.kept[-1].avatar == ""
 
 
 def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Room) -> None:
@@ -145,9 +145,8 @@ def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Roo
     room.session.settle(now)
     room.session.draw(now)
     room.session.obey(Order("curtain", 1.0))
-    while (drawn := room.session.drawn()) is None:
-        assert not room.session.stage.free
-        time.sleep(0.001)
+    drawn = eventually(room.session.drawn)
+    assert drawn is not None
     assert (drawn.picture == CURTAIN).all()
     assert (drawn.preview == CURTAIN).all()
     assert drawn.pose is None
@@ -169,10 +168,12 @@ def test_numbers_beyond_sense_ask_for_nothing(room: Room, order: Order) -> None:
 def test_a_path_that_can_be_none_is_told(room: Room, words: str) -> None:
     begin(room)
     room.session.obey(Order("open", words))
-    until_refused = time.perf_counter() + 20
-    while not room.session.view(time.perf_counter()).toasts:
-        assert time.perf_counter() < until_refused
+
+    def toasts() -> tuple[Toast, ...]:
         turn(room.session)
+        return room.session.view(time.perf_counter()).toasts
+
+    assert eventually(toasts)[-1].alarm
 
 
 def test_the_next_but_one_is_asked_for_by_asking_twice(room: Room) -> None:
@@ -319,7 +320,7 @@ def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
             wait(lambda: session.stage.roster.current == 1)
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
                 for address, value in (("smoothing", 0.25), ("background", "green")):
-                    other.sendto(packet(f"/gemheads/{address}", value), ("127.0.0.1", remote.port))
+                    other.sendto(message(f"/gemheads/{address}", value), ("127.0.0.1", remote.port))
             wait(lambda: session.state.smoothing == 0.25 and session.state.background == "green")
             desk.press("W")
             wait(lambda: desk.clean_picture is not None and desk.shown > 5)
@@ -329,11 +330,11 @@ def test_the_window_runs_by_keys_drops_and_osc_and_ends_in_under_a_second(
         desk.press("Ctrl+Q")
 
     def wait(done: Callable[[], bool]) -> None:
-        end = time.perf_counter() + 20
-        while not done():
+        def so() -> bool:
             room.captures and room.captures[0].post(2.0)
-            assert time.perf_counter() < end
-            time.sleep(0.01)
+            return done()
+
+        eventually(so, what=in_words(done))
 
     ended: list[float] = []
     hands = threading.Thread(target=person)

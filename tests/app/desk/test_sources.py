@@ -1,12 +1,11 @@
 """Which camera a word means."""
 
 import pytest
+from devices import Device, blue
 from gemheads.app.desk import sources
 from gemheads.app.desk.sources import camera_named
 from gemheads.app.inputs import CameraChoice, open_camera
 from gemheads.app.inputs.source import SourceLost
-
-from ..inputs.test_camera import Device, blue
 
 
 @pytest.fixture

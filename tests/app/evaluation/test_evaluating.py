@@ -2,7 +2,6 @@
 
 import json
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,8 @@ from gemheads.models.gemfile import load_gem
 from gemheads.models.metrics.pixels import l1, psnr
 from gemheads.models.train.judging.contestants import GemContestant
 from gemheads.models.train.perceptual import TINY, Perceptual, WeightsMissing
+from links import Links
+from refusals import refused
 
 QUICK = ("--lpips", "none", "--shots", "2")
 
@@ -29,19 +30,6 @@ def evaluate(*words: object) -> int:
 
 def report_of(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "report.json").read_text())
-
-
-class Links(HTMLParser):
-    """Everything a page asks for, and what it would run."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.asked: list[str] = []
-        self.tags: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.asked += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "data", "action")]
 
 
 @pytest.fixture(scope="module")
@@ -233,9 +221,7 @@ def test_what_cannot_be_done_is_one_line(
     unjudged = emptied(toy_capture, tmp_path / "unjudged", "val", "test")
     places = {"toy": avatars[0], "capture": toy_capture, "unjudged": unjudged}
     out = () if "-o" in words else ("-o", "r")
-    assert evaluate(*(word.format(**places) for word in words), *out, "--lpips", "none") == code
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
+    found, error = refused(capsys, "evaluate", *(word.format(**places) for word in words), *out, "--lpips", "none")
+    assert found == code
     assert said in error
     assert not (tmp_path / "r").exists()

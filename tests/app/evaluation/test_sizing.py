@@ -27,6 +27,7 @@ from gemheads.models.train.judging.crew import Crew
 from gemheads.models.train.judging.evaluate import Alone
 from gemheads.models.train.judging.ledger import Record
 from gemheads.models.train.workers import WorkerLost
+from refusals import refused
 
 
 def evaluate(*words: object) -> int:
@@ -105,8 +106,8 @@ def test_a_process_that_died_is_one_line(
         raise WorkerLost("a process that judged pictures is gone")
 
     monkeypatch.setattr(Crew, "records", gone)
-    assert evaluate(avatar, toy_capture, "-o", tmp_path / "r", "--shots", 1, "--jobs", 2) == ExitCode.INPUT
-    assert capsys.readouterr().err == "error: a process that judged pictures is gone\n"
+    words = (avatar, toy_capture, "-o", tmp_path / "r", "--shots", 1, "--jobs", 2)
+    assert refused(capsys, "evaluate", *words) == (ExitCode.INPUT, "error: a process that judged pictures is gone\n")
 
 
 def test_as_many_processes_as_are_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,8 +135,9 @@ def test_what_cannot_be_is_one_line(
     words: tuple[str, ...],
     said: str,
 ) -> None:
-    assert evaluate(avatar, toy_capture, "-o", tmp_path / "r", *words) == ExitCode.USAGE
-    assert said in capsys.readouterr().err
+    code, error = refused(capsys, "evaluate", avatar, toy_capture, "-o", tmp_path / "r", *words)
+    assert code == ExitCode.USAGE
+    assert said in error
     assert not (tmp_path / "r").exists()
 
 

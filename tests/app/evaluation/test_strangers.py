@@ -21,10 +21,12 @@ from gemheads.models.driver.features import DIMENSION
 from gemheads.models.driver.regressor import FEATURES_INPUT, OUTPUT, ROTATION_INPUT
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import save_gem
+from gems import ball
+from links import Links
 from pixelface import PixelTracker, painted
+from refusals import refused
 
-from ..conftest import Clip, tiny_gem
-from .test_evaluating import Links
+from ..conftest import Clip
 
 onnx = pytest.importorskip("onnx", reason="the regressor of these tests is built with onnx")
 
@@ -96,7 +98,7 @@ def graph(count: int) -> bytes:
 @pytest.fixture
 def learned(tmp_path: Path) -> Path:
     """An avatar with a regressor."""
-    gem: Gem = tiny_gem(1)
+    gem: Gem = ball(1)
     save_gem(replace(gem, regressor=graph(gem.coefficient_count)), tmp_path / "learned.gem")
     return tmp_path / "learned.gem"
 
@@ -244,7 +246,7 @@ def test_an_avatar_whose_face_is_not_seen_is_left_out(
 def places(tiny: Path, drivers: tuple[Path, Path], make_clip: Clip, tmp_path: Path) -> dict[str, Path]:
     """What commands may be given, by name."""
     bare = tmp_path / "bare.gem"
-    save_gem(replace(tiny_gem(), arkit_weights=None), bare)
+    save_gem(replace(ball(), arkit_weights=None), bare)
     text = tmp_path / "text.mp4"
     text.write_text("this is no video")
     empty = tmp_path / "empty.mp4"
@@ -259,7 +261,7 @@ def places(tiny: Path, drivers: tuple[Path, Path], make_clip: Clip, tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("words", "code", "told"),
+    ("words", "code", "said"),
     [
         (("{tiny}",), ExitCode.USAGE, "give a CAPTURE, or --drivers VIDEO..., or both"),
         (("{tiny}", "--drivers", "{ann}", "{ann}"), ExitCode.USAGE, "is given twice"),
@@ -282,17 +284,15 @@ def test_what_cannot_be_done_is_one_line(
     capsys: pytest.CaptureFixture[str],
     words: tuple[str, ...],
     code: ExitCode,
-    told: str,
+    said: str,
 ) -> None:
     if "{nobody}" in words:
         monkeypatch.setattr(PixelTracker, "track", lambda *_: None)
     out = () if "-o" in words else ("-o", places["out"])
     more = () if "--every" in words else ("--every", 1)
-    assert evaluate(*(word.format(**places) for word in words), *out, *more) == code
-    error = capsys.readouterr().err
-    assert error.startswith("error: ")
-    assert error.count("\n") == 1
-    assert told in error
+    found, error = refused(capsys, "evaluate", *(word.format(**places) for word in words), *out, *more)
+    assert found == code
+    assert said in error
     assert not (places["out"] / "report.json").exists()
 
 

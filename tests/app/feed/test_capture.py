@@ -8,6 +8,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from devices import Device
+from faces import face
 from gemheads.app.feed.capture import Capture, Tuning
 from gemheads.app.feed.loop import Loop
 from gemheads.app.files.frames import Frame
@@ -20,32 +22,22 @@ from gemheads.app.performing.casting import Avatar, open_avatar
 from gemheads.app.performing.shots import Shot
 from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.neutral import neutral_of
+from waiting import SOON, eventually, in_words
 
 from ..scripted import Clock, Person, Source, avatar, picture
-from ..test_live import face
 
-PATIENCE_SECS = 20.0
-"""So long the busiest machine may take."""
-
-
-def until(true: Callable[[], object]) -> None:
-    begun = time.perf_counter()
-    while not true():
-        assert time.perf_counter() - begun < PATIENCE_SECS
-        time.sleep(0.005)
+FRAME = 1.01 / 30
+"""Seconds from one frame of the demo clip to the next, and a little more."""
 
 
-def next_shot(capture: Capture, fit: Callable[[Shot], bool] = lambda shot: True) -> Shot:
-    found: list[Shot] = []
-
-    def there() -> bool:
+def next_shot(capture: Capture, fit: Callable[[Shot], bool] | None = None) -> Shot:
+    def there() -> Shot | None:
         shot = capture.newest()
-        if shot is not None and fit(shot):
-            found.append(shot)
-        return bool(found)
+        return shot if shot is not None and (fit is None or fit(shot)) else None
 
-    until(there)
-    return found[0]
+    found = eventually(there, what="a shot" if fit is None else in_words(fit))
+    assert found is not None
+    return found
 
 
 @dataclass
@@ -53,9 +45,12 @@ class Hanging(Source):
     """A source whose reading never ends by itself."""
 
     go_on: threading.Event = field(default_factory=threading.Event)
+    reading: threading.Event = field(default_factory=threading.Event)
+    """Set as soon as it hangs."""
 
     def read(self, timeout: float) -> Delivery | None:
-        self.go_on.wait(PATIENCE_SECS)
+        self.reading.set()
+        self.go_on.wait(SOON)
         return None
 
 
@@ -90,62 +85,42 @@ def test_it_closes_while_a_source_hangs_in_opening(capture: Capture) -> None:
     late = Source()
 
     def hang() -> Source:
-        go_on.wait(PATIENCE_SECS)
+        go_on.wait(SOON)
         return late
 
     capture.use(hang, "slow")
-    until(lambda: capture.health.phase == "opening")
+    eventually(lambda: capture.health.phase == "opening")
     next_shot(capture)  # the avatar lives on meanwhile
     close_in_time(capture)
     go_on.set()
-    until(lambda: late.closed)
+    eventually(lambda: late.closed)
 
 
 def test_it_closes_while_a_source_hangs_in_reading(capture: Capture) -> None:
     hanging = Hanging()
     capture.use(lambda: hanging, "hanging")
-    until(lambda: capture.health.phase != "no source" or capture._loop.link is not None)
+    assert hanging.reading.wait(SOON)
     close_in_time(capture)
     hanging.go_on.set()
 
 
 def test_it_closes_while_a_camera_hangs_in_its_driver(capture: Capture) -> None:
     go_on = threading.Event()
-
-    class Device:
-        released = False
-
-        def isOpened(self) -> bool:
-            return True
-
-        def set(self, *_: float) -> None:
-            pass
-
-        def get(self, _: int) -> float:
-            return 30.0
-
-        def read(self) -> tuple[bool, None]:
-            go_on.wait(PATIENCE_SECS)
-            return False, None
-
-        def release(self) -> None:
-            self.released = True
-
-    device = Device()
+    device = Device(lambda: go_on.wait(SOON) and None)
     choice = CameraChoice("Cam", 0)
     capture.use(open_camera(choice, connected=lambda: [choice], open_device=lambda _: device), "Cam")
-    until(lambda: capture._loop.link is not None and capture._loop.link.source is not None)
+    eventually(lambda: capture._loop.link is not None and capture._loop.link.source is not None)
     next_shot(capture)
     close_in_time(capture)
     go_on.set()
-    until(lambda: device.released)
+    assert device.released.wait(SOON)
 
 
 def test_health_and_buttons_are_never_those_of_the_source_before(capture: Capture) -> None:
     before = OneThenHanging(name="before", transport=Playhead(10.0, 1 / 30))
     before.next = Frame(picture(), 0, Fraction(1, 30))
     capture.use(lambda: before, "before")
-    until(lambda: capture.health.frames == 1)
+    eventually(lambda: capture.health.frames == 1)
     assert capture.transport is before.transport
     after = Source(name="what it says itself")
     capture.use(lambda: after, "after")
@@ -153,13 +128,13 @@ def test_health_and_buttons_are_never_those_of_the_source_before(capture: Captur
     assert (health.phase, health.source, health.frames) == ("opening", "after", 0)
     assert capture.transport is None
     before.go_on.set()
-    until(lambda: capture.health.source == after.name)
+    eventually(lambda: capture.health.source == after.name)
 
 
 def test_wishes_return_at_once_whatever_the_source_does(capture: Capture) -> None:
     hanging = Hanging()
     capture.use(lambda: hanging, "hanging")
-    time.sleep(0.05)
+    assert hanging.reading.wait(SOON)
     begun = time.perf_counter()
     capture.cast(avatar(1))
     capture.tune(Tuning(smoothing=0.1))
@@ -183,28 +158,28 @@ def test_a_neutral_that_is_none_is_refused_at_once(capture: Capture) -> None:
 
 def test_a_wish_that_fails_does_not_end_the_show(capture: Capture) -> None:
     capture._loop.ask(lambda: 1 / 0)  # pyright: ignore[reportArgumentType]
-    until(lambda: "could not be done" in capture._loop._trouble[0])
+    eventually(lambda: "could not be done" in capture._loop._trouble[0])
     next_shot(capture)
 
 
 def test_a_wish_that_changes_a_paused_video_is_seen_at_once(capture: Capture) -> None:
     capture.use(open_input(str(DEMO_CLIP)), "clip")
-    until(lambda: capture.transport is not None and capture.health.settled)
+    eventually(lambda: capture.transport is not None and capture.health.settled)
     assert capture.transport is not None
     capture.transport.pause()
-    until(lambda: capture.newest() is None)
-    time.sleep(0.1)
-    capture.newest()
+    paused_at = capture.transport.position
+    next_shot(capture, lambda shot: paused_at - shot.source_secs < FRAME)  # behind this one comes none by itself
     capture.rest(neutral_of(face(jaw=0.9), 0, 0.0, "another"))
     shot = next_shot(capture)
     assert shot.pose.phase.name == "TRACKING"
+    assert "track" not in shot.stages, "a frame of the video came, too"
 
 
 def test_a_real_face_drives_a_real_avatar_in_time() -> None:
     cast: Avatar = open_avatar(find_avatar())
     with Capture(cast) as capture:
         capture.use(open_input(str(DEMO_CLIP)), "clip")
-        until(lambda: capture.health.settled)
+        eventually(lambda: capture.health.settled)
         shots: list[Shot] = []
 
         def enough() -> bool:
@@ -212,7 +187,7 @@ def test_a_real_face_drives_a_real_avatar_in_time() -> None:
             shots.extend([shot] if shot else [])
             return len(shots) >= 40
 
-        until(enough)
+        eventually(enough)
         health = capture.health
     assert health.phase == "tracking"
     assert health.neutral
@@ -255,7 +230,7 @@ def test_a_real_tracker_survives_everything_a_camera_may_send() -> None:
 def test_every_shot_wakes_the_window(capture: Capture) -> None:
     woken = threading.Event()
     capture.rouse(woken.set)
-    assert woken.wait(PATIENCE_SECS)
+    assert woken.wait(SOON)
     assert capture.newest() is not None
 
 

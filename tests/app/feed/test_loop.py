@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from faces import face
 from gemheads.app.errors import InputError
 from gemheads.app.feed.loop import Loop
 from gemheads.app.inputs.source import PoseFrame, WeightsFrame
@@ -12,7 +13,6 @@ from gemheads.app.person.tuning import Tuning
 from gemheads.models.driver.neutral import neutral_of
 
 from ..scripted import GEM, Source, World, avatar, followed, jaw, opened, picture
-from ..test_live import face
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from faces import face
 from gemheads.app.errors import InputError
 from gemheads.app.inputs.source import SourceLost
 from gemheads.app.inputs.transport import Playhead
@@ -11,7 +12,6 @@ from gemheads.app.person.tuning import Tuning
 from gemheads.models.driver.networks import NetworkError
 
 from ..scripted import Source, World, avatar, followed, jaw, opened, picture, unplugged
-from ..test_live import face
 
 
 @pytest.fixture

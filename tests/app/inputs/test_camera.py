@@ -3,40 +3,16 @@
 import sys
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from devices import Device, blue
 from gemheads.app.inputs import camera
 from gemheads.app.inputs.camera import CURES, CameraChoice, cameras, open_camera
 from gemheads.app.inputs.source import LiveSource, SourceLost, TimedFrame
 
 CHOICE = CameraChoice("Cam", 0)
-
-
-class Device:
-    """Gives what ``picture`` makes; ``None`` is a failed read."""
-
-    def __init__(self, picture: Callable[[], object], opened: bool = True) -> None:
-        self.picture, self.opened = picture, opened
-        self.asked: dict[int, float] = {}
-        self.released = threading.Event()
-
-    def isOpened(self) -> bool:
-        return self.opened
-
-    def set(self, what: int, value: float) -> bool:
-        self.asked[what] = value
-        return True
-
-    def read(self) -> tuple[bool, object]:
-        time.sleep(0.002)
-        image = self.picture()
-        return image is not None, image
-
-    def release(self) -> None:
-        self.released.set()
 
 
 def opened(device: Device, connected: list[CameraChoice] | None = None, **more: object) -> LiveSource:
@@ -50,10 +26,6 @@ def read_on(camera: LiveSource) -> TimedFrame:
         if (frame := camera.read(0.1)) is not None:
             return frame
     raise AssertionError("no picture, and no word about that")
-
-
-def blue() -> np.ndarray:
-    return np.tile(np.array([200, 0, 0], np.uint8), (48, 64, 1))
 
 
 def test_pictures_come_as_rgb_with_the_time_they_were_taken() -> None:

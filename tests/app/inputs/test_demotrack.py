@@ -3,13 +3,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from faces import face
 from gemheads.app.errors import NoFaceError
 from gemheads.app.files.frames import Frame
 from gemheads.app.inputs.demotrack import weights_of
 from gemheads.models.arkit import NAMES
 from gemheads.models.driver.face import FaceObservation
-
-from ..test_live import face
 
 
 class Clip:

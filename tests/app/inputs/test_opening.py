@@ -7,8 +7,7 @@ from gemheads.app.errors import InputError, UsageError
 from gemheads.app.inputs import open_input
 from gemheads.app.library import DEMO_CLIP
 from gemheads.app.performing.tracks import save_track
-
-from ..performing.test_tracks import TRACK
+from tracks import TRACK
 
 
 def test_words_mean_what_they_say(tmp_path: Path) -> None:

@@ -8,8 +8,7 @@ import pytest
 from gemheads.app.inputs.oscin import MOST_PACKETS, MOST_TURN, FaceData
 from gemheads.app.inputs.source import SourceLost
 from gemheads.models.arkit import NAMES
-
-from .test_packets import bundle, message
+from osc import bundle, message
 
 pytestmark = pytest.mark.enable_socket
 

@@ -7,25 +7,7 @@ from gemheads.app.inputs.packets import PacketError, read_ifacialmocap, read_vmc
 from gemheads.models.arkit import NAMES
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
-from pythonosc.osc_message_builder import OscMessageBuilder
-
-
-def message(address: str, *values: object) -> bytes:
-    builder = OscMessageBuilder(address)
-    for value in values:
-        builder.add_arg(value)  # pyright: ignore[reportArgumentType]
-    return builder.build().dgram
-
-
-def bundle(*contents: tuple[object, ...]) -> bytes:
-    builder = OscBundleBuilder(IMMEDIATELY)
-    for address, *values in contents:
-        part = OscMessageBuilder(str(address))
-        for value in values:
-            part.add_arg(value)  # pyright: ignore[reportArgumentType]
-        builder.add_content(part.build())
-    return builder.build().dgram
+from osc import bundle, message
 
 
 @pytest.mark.parametrize(

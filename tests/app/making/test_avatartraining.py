@@ -10,6 +10,7 @@ from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.models.gemfile import load_gem
 from gemheads.models.train.perceptual import WeightsMissing
+from refusals import refused
 from toycapture import write_capture
 
 
@@ -36,8 +37,9 @@ def test_a_run_is_told_of_and_distilled(capture: Path, tmp_path: Path, capsys: p
     assert gem.uv_size == 64
     assert len(gem) > 1000
     capsys.readouterr()
-    assert train(capture, "-o", run, "--steps", 4, *words) == ExitCode.INPUT
-    assert "run of other settings; give the same ones" in capsys.readouterr().err
+    code, error = refused(capsys, "train", capture, "-o", run, "--steps", 4, *words)
+    assert code == ExitCode.INPUT
+    assert "run of other settings; give the same ones" in error
 
 
 @pytest.mark.parametrize(
@@ -52,14 +54,16 @@ def test_a_run_is_told_of_and_distilled(capture: Path, tmp_path: Path, capsys: p
 def test_wrong_words(
     capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], code: ExitCode, said: str
 ) -> None:
-    assert train(capture, "-o", tmp_path / "run", *words) == code
-    assert said in capsys.readouterr().err
+    found, error = refused(capsys, "train", capture, "-o", tmp_path / "run", *words)
+    assert found == code
+    assert said in error
     assert not (tmp_path / "run").exists()
 
 
 def test_a_capture_at_fault_is_named(capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert train(tmp_path / "nowhere", "-o", tmp_path / "run") == ExitCode.INPUT
-    assert "nowhere: is no folder" in capsys.readouterr().err
+    code, error = refused(capsys, "train", tmp_path / "nowhere", "-o", tmp_path / "run")
+    assert code == ExitCode.INPUT
+    assert "nowhere: is no folder" in error
     assert not (tmp_path / "run").exists()
 
 
@@ -70,12 +74,14 @@ def test_without_its_weights_the_cure_is_told(
         raise WeightsMissing("vgg: its weights cannot be fetched")
 
     monkeypatch.setattr("gemheads.models.train.perceptual.Perceptual", missing)
-    assert train(capture, "-o", tmp_path / "run") == ExitCode.INPUT
-    assert "--no-perceptual trains without the VGG term" in capsys.readouterr().err
+    code, error = refused(capsys, "train", capture, "-o", tmp_path / "run")
+    assert code == ExitCode.INPUT
+    assert "--no-perceptual trains without the VGG term" in error
     assert not (tmp_path / "run").exists()
 
 
 def test_a_folder_that_cannot_be_written(capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "file").write_text("")
-    assert train(capture, "-o", tmp_path / "file" / "run", "--no-perceptual") == ExitCode.OUTPUT
-    assert "cannot be written" in capsys.readouterr().err
+    code, error = refused(capsys, "train", capture, "-o", tmp_path / "file" / "run", "--no-perceptual")
+    assert code == ExitCode.OUTPUT
+    assert "cannot be written" in error

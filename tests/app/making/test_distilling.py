@@ -11,6 +11,10 @@ from gemheads.app.errors import ExitCode
 from gemheads.models.gemfile import load_gem
 from gemheads.models.ply import save_ply_sequence
 from gemheads.render.gaussians import RawGaussians
+from refusals import refused
+
+STATED = ("--licence", "CC0-1.0", "--consent", "no person, a bent sheet")
+"""Where these are missing, notes say so before anything else."""
 
 
 @pytest.fixture
@@ -101,10 +105,9 @@ def test_what_cannot_be_done_is_one_line(
     lam.write(tmp_path / "second")
     (tmp_path / "plys").mkdir()
     monkeypatch.chdir(tmp_path)
-    assert distil(*words) == code
-    lines = capsys.readouterr().err.strip().splitlines()
-    assert lines[-1].startswith("error: ")
-    assert said in lines[-1]
+    found, error = refused(capsys, "distill", *words, "--frames", "150", *STATED)
+    assert found == code
+    assert said in error
     assert not (tmp_path / "a.gem").exists()
 
 

@@ -19,6 +19,7 @@ from gemheads.models.posing import pose_head
 from gemheads.render.camera import Camera
 from gemheads.render.compositing import over
 from gemheads.render.software import SoftwareEngine
+from refusals import refused
 
 pytest.importorskip("torch", reason="fitting needs the extra gemheads[train]")
 
@@ -99,11 +100,9 @@ def test_what_cannot_be_fitted_is_told(tiny: Path, tmp_path: Path, capsys: pytes
         ((str(tiny), small), ExitCode.INPUT, "sides from 16"),
         ((str(tiny), "none.png"), ExitCode.INPUT, "none.png: no such file"),
     ):
-        assert main(["fit", *words, *out]) == code
-        told = capsys.readouterr().err
-        assert told.startswith("error: ")
-        assert told.count("\n") == 1
-        assert what in told
+        found, error = refused(capsys, "fit", *words, *out)
+        assert found == code
+        assert what in error
     assert not (tmp_path / "a.track").exists()
 
 
@@ -112,10 +111,10 @@ def test_an_avatar_of_splats_that_would_fill_the_memory_is_refused(
 ) -> None:
     monkeypatch.setattr(cpu, "MOST_PAIRS", 100)
     shot = str(saved(np.zeros((64, 48, 3), np.uint8), tmp_path / "shot.png"))
-    assert main(["fit", str(tiny), shot, "-o", str(tmp_path / "a.track")]) == ExitCode.INPUT
-    told = capsys.readouterr().err
-    assert told.startswith(f"error: {tiny}: cannot be fitted: its ")
-    assert "far too large" in told
+    code, error = refused(capsys, "fit", tiny, shot, "-o", tmp_path / "a.track")
+    assert code == ExitCode.INPUT
+    assert error.startswith(f"error: {tiny}: cannot be fitted: its ")
+    assert "far too large" in error
     assert not (tmp_path / "a.track").exists()
 
 
@@ -127,8 +126,9 @@ def test_a_missing_torch_is_one_plain_line(
     monkeypatch.delattr("gemheads.models.train.synthesis.fit", raising=False)
     monkeypatch.setitem(sys.modules, "torch", None)
     shot = saved(np.zeros((64, 48, 3), np.uint8), tmp_path / "shot.png")
-    assert main(["fit", str(tiny), str(shot), "-o", str(tmp_path / "a.track")]) == ExitCode.INPUT
-    assert capsys.readouterr().err == "error: fitting needs torch; install it: pip install 'gemheads[train]'\n"
+    code, error = refused(capsys, "fit", tiny, shot, "-o", tmp_path / "a.track")
+    assert code == ExitCode.INPUT
+    assert error == "error: fitting needs torch; install it: pip install 'gemheads[train]'\n"
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import pytest
 pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 import toycapture
-from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
+from refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -28,38 +28,44 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_numbers_that_cannot_be(
     capture: Path, words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["train-regressor", "mara", str(capture), *words]) == ExitCode.USAGE
-    assert said in capsys.readouterr().err
+    code, error = refused(capsys, "train-regressor", "mara", str(capture), *words)
+    assert code == ExitCode.USAGE
+    assert said in error
 
 
 def test_two_captures_are_two_people(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["train-regressor", "mara", str(capture), str(capture)]) == ExitCode.USAGE
-    assert "second capture" in capsys.readouterr().err
+    code, error = refused(capsys, "train-regressor", "mara", str(capture), str(capture))
+    assert code == ExitCode.USAGE
+    assert "second capture" in error
 
 
 @pytest.mark.parametrize("words", [("--rehearse-with", "theo"), ("--turns-only",)])
 def test_a_person_with_frames_learns_of_them_alone(
     capture: Path, words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["train-regressor", "mara", str(capture), *words]) == ExitCode.USAGE
-    assert f"{words[0]} does not go with a capture" in capsys.readouterr().err
+    code, error = refused(capsys, "train-regressor", "mara", str(capture), *words)
+    assert code == ExitCode.USAGE
+    assert f"{words[0]} does not go with a capture" in error
 
 
 def test_taking_over_learns_from_nothing(capture: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["train-regressor", "mara", str(capture), "--take-over", "theo"]) == ExitCode.USAGE
-    assert "--take-over trains nothing" in capsys.readouterr().err
+    code, error = refused(capsys, "train-regressor", "mara", str(capture), "--take-over", "theo")
+    assert code == ExitCode.USAGE
+    assert "--take-over trains nothing" in error
 
 
 @pytest.mark.parametrize("option", ["--labels", "--report", "--strip"])
 def test_what_needs_a_capture_says_so(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["train-regressor", "mara", option, str(tmp_path / "x")]) == ExitCode.USAGE
-    assert "need a capture" in capsys.readouterr().err
+    code, error = refused(capsys, "train-regressor", "mara", option, str(tmp_path / "x"))
+    assert code == ExitCode.USAGE
+    assert "need a capture" in error
 
 
 def test_another_avatars_labels_and_missing_ones(
     capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["train-regressor", "mara", str(capture), "-o", str(tmp_path / "out.gem"), "--pictures", "0"]
-    assert main([*words, "--labels", str(tmp_path / "none.track")]) == ExitCode.INPUT
-    assert "none.track" in capsys.readouterr().err
+    code, error = refused(capsys, *words, "--labels", str(tmp_path / "none.track"))
+    assert code == ExitCode.INPUT
+    assert "none.track" in error
     assert not (tmp_path / "out.gem").exists()

@@ -10,6 +10,7 @@ from gemheads.app.files.sources import read_image
 from gemheads.app.performing.tracks import load_track
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.gemfile import load_gem
+from refusals import refused
 
 pytest.importorskip("torch", reason="refining needs the extra gemheads[train]")
 
@@ -138,9 +139,10 @@ def test_what_cannot_be_done_is_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     places = {"avatar": bare[0], "toy": toy_capture, "tiny": tiny, "moments": bare[1]}
-    quick = ("--no-perceptual",) if words[0] == "refine" else ()
-    assert main([*(word.format(**places) for word in words), *quick]) == code
-    error = capsys.readouterr().err.strip().splitlines()[-1]
-    assert error.startswith("error: ")
+    # else notes say what is missing, before anything else
+    stated = ("--licence", "CC0-1.0", "--consent", "no person")
+    more = {"refine": ("--no-perceptual",), "distill": stated}.get(words[0], ())
+    found, error = refused(capsys, *(word.format(**places) for word in words), *more)
+    assert found == code
     assert said in error
     assert not (tmp_path / "x").exists()

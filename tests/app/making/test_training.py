@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
+from refusals import refused
 
 
 @pytest.mark.parametrize(
@@ -20,5 +20,6 @@ from gemheads.app.errors import ExitCode
     ],
 )
 def test_what_cannot_be(words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["train-regressor", "mara", *words]) == ExitCode.USAGE
-    assert said in capsys.readouterr().err
+    code, error = refused(capsys, "train-regressor", "mara", *words)
+    assert code == ExitCode.USAGE
+    assert said in error

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numba
 import pytest
 from gemheads.app.performing.threads import Behind, ahead, at_most
+from waiting import eventually
 
 
 def test_ahead_keeps_items_and_order() -> None:
@@ -24,9 +25,7 @@ def test_ahead_works_while_the_consumer_waits() -> None:
 
     stream = ahead(items(), depth=4)
     next(stream)
-    deadline = time.monotonic() + 5
-    while len(made) < 5 and time.monotonic() < deadline:
-        time.sleep(0.005)
+    eventually(lambda: len(made) >= 5)
     assert 5 <= len(made) <= 6  # one taken, four in the box, one waiting
     stream.close()
 

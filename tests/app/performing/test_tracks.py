@@ -6,29 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError, OutputError
-from gemheads.app.performing.performance import Pose
-from gemheads.app.performing.presence import Phase
-from gemheads.app.performing.tracks import FORMAT, Track, load_track, save_track
+from gemheads.app.performing.tracks import FORMAT, load_track, save_track
 from safetensors.numpy import save_file
-
-RNG = np.random.default_rng(1)
-
-
-def normal(count: int) -> np.ndarray:
-    return RNG.normal(size=count).astype(np.float32)
-
-
-TRACK = Track(
-    avatar="tiny",
-    avatar_sha256="ab" * 32,
-    time_base=Fraction(1, 30000),
-    rate=Fraction(30000, 1001),
-    pts=np.array([7, 1008, 2009]),
-    poses=tuple(
-        Pose(normal(5), normal(3), phase, 1, 0.25, cut, normal(3))
-        for phase, cut in ((Phase.SEARCHING, False), (Phase.TRACKING, True), (Phase.HOLD, False))
-    ),
-)
+from tracks import TRACK
 
 
 def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:

@@ -4,14 +4,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from faces import face
 from gemheads.app.errors import UsageError
 from gemheads.app.files.frames import Frame
 from gemheads.app.person.contact import COLUMNS, FACE_PX, against, contact_sheet, place
 from gemheads.app.person.neutrals import NeutralRule, read_rule, said
 from gemheads.models.driver.face import FaceObservation
 from gemheads.models.driver.neutral import Candidate, NeutralChoice
-
-from ..test_live import face
 
 CALM = {"turned": 0.01, "open_mouth": 0.0, "blurred": 0.02}
 

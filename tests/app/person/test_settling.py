@@ -1,11 +1,10 @@
 import numpy as np
 import pytest
+from faces import face
 from gemheads.app.person.settling import COLLECT_SECS, PATIENCE_SECS, Settling, settle
 from gemheads.models.driver.face import FaceObservation
 from gemheads.models.driver.features import score
 from gemheads.models.driver.neutral import neutral_of
-
-from ..test_live import face
 
 DT = 1 / 30
 

@@ -7,15 +7,15 @@ from gemheads.app.person.tuning import Tuning, actor_for, gain_matrix, group_of,
 from gemheads.models.arkit import NAMES
 from gemheads.models.driver.answer import Answer
 from gemheads.models.gem import Gem
+from gems import ball
 
-from ..conftest import tiny_gem
 from ..scripted import Clock, Person, avatar
 
 
 @pytest.fixture
 def gem() -> Gem:
     """More coefficients than shapes, as real avatars have, so that the shapes can be told apart."""
-    plain = tiny_gem()
+    plain = ball()
     count = plain.coefficient_count
     weights = np.zeros((52, count), np.float32)
     for shape in ("jawOpen", "browInnerUp", "eyeBlinkLeft"):

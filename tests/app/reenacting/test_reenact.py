@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -23,6 +22,7 @@ from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
+from waiting import eventually
 
 from ..clips import SIZE, VARIABLE, cut_clip, pictures, play, times
 from ..conftest import make_sound_unknown
@@ -235,11 +235,12 @@ def test_ctrl_c_leaves_a_video_that_plays(tiny: Path, tmp_path: Path) -> None:
         [sys.executable, "-m", "gemheads.app.cli", *words], stderr=subprocess.PIPE, text=True, env={**os.environ}
     )
     partial = tmp_path / "out.partial.mp4"
-    deadline = time.monotonic() + 60
-    while not (partial.exists() and partial.stat().st_size > 2000):
+
+    def begun() -> bool:
         assert program.poll() is None, program.communicate()
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+        return partial.exists() and partial.stat().st_size > 2000
+
+    eventually(begun, 60)
     program.send_signal(signal.SIGINT)
     _, said = program.communicate(timeout=60)
     assert program.returncode == ExitCode.INTERRUPTED, said

@@ -1,47 +1,17 @@
 import threading
 import time
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from gemheads.app.errors import OutputError
 from gemheads.app.senders.fan import Fan
 from gemheads.app.senders.outlet import Image, Shown
-
-SOON = 20.0
+from keepers import Keeper
+from waiting import SOON, eventually
 
 
 def picture(value: int = 0) -> Image:
     return np.full((4, 6, 3), value, np.uint8)
-
-
-def eventually(holds: Callable[[], bool]) -> None:
-    until = time.perf_counter() + SOON
-    while not holds():
-        assert time.perf_counter() < until, "waited in vain"
-        time.sleep(0.002)
-
-
-class Keeper:
-    """Keeps what it gets; waits for ``gate`` before each picture."""
-
-    def __init__(self, gate: threading.Event | None = None, failing: bool = False) -> None:
-        self.kept: list[Shown] = []
-        self.gate, self.failing, self.closed = gate, failing, False
-
-    @property
-    def status(self) -> str:
-        return f"kept {len(self.kept)}"
-
-    def send(self, shown: Shown) -> None:
-        if self.gate:
-            assert self.gate.wait(SOON)
-        if self.failing:
-            raise OutputError("out.mp4: no space left; free some space")
-        self.kept.append(shown)
-
-    def close(self) -> None:
-        self.closed = True
 
 
 def values(keeper: Keeper) -> list[int]:

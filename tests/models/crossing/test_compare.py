@@ -1,16 +1,16 @@
 """The loop, and what is made of a driver beside an avatar."""
 
-import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from gemheads.models.crossing import pace
 from gemheads.models.crossing.channels import CHANNELS, correlations, moving, table, unrests
 from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.compare import WORST, WORST_APART_SECS, compare, worst_frames
 from gemheads.models.crossing.loop import echo
 from gemheads.models.crossing.mirror import UnseenAvatar
-from gemheads.models.crossing.pace import paces
 from gemheads.models.driver.answer import Answer, Express
 from numpy.typing import NDArray
 from pixelface import painted
@@ -116,19 +116,29 @@ def test_a_channel_that_stands_still_on_the_avatar_has_no_correlation_and_no_war
     assert painted(jaw=1)[0, 0, 0] > painted()[0, 0, 0]
 
 
-def test_ways_of_driving_are_timed_by_turns(clip: Clip, mirror: PaintedMirror, express: Express) -> None:
-    order: list[str] = []
+def test_ways_of_driving_are_timed_by_turns(
+    clip: Clip, mirror: PaintedMirror, express: Express, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a clock that stands still but for what each stage takes: what else the machine does is in no figure."""
+    now, order = 0.0, []
 
-    def slow(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
-        order.append("slow")
-        time.sleep(0.004)
-        return express(relative, rotation)
+    def spend(seconds: float) -> None:
+        nonlocal now
+        now += seconds
 
-    def quick(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
-        order.append("quick")
-        return express(relative, rotation)
+    def way(name: str, seconds: float) -> Express:
+        def taken(relative: NDArray[np.floating], rotation: NDArray[np.floating]) -> Answer:
+            order.append(name)
+            spend(seconds if len(order) > 2 * pace.WARMING else 100.0)
+            return express(relative, rotation)
 
-    one, other = paces(clip, [slow, quick], mirror)
-    assert order == ["slow", "quick"] * (len(order) // 2)
-    assert one.step > 0.004 > other.step > 0
-    assert one.tracking > 0
+        return taken
+
+    draw, read = mirror.draw, mirror.read
+    monkeypatch.setattr(pace, "time", SimpleNamespace(perf_counter=lambda: now))
+    monkeypatch.setattr(mirror, "draw", lambda *words: (spend(0.25), draw(*words))[1])
+    monkeypatch.setattr(mirror, "read", lambda *words: (spend(0.5), read(*words))[1])
+    slow, quick = pace.paces(clip, [way("slow", 4.0), way("quick", 1.0)], mirror)
+    assert order == ["slow", "quick"] * (pace.WARMING + pace.STEPS)
+    assert (slow.step, quick.step) == (4.25, 1.25)
+    assert slow.tracking == quick.tracking == 0.5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from gemheads.models.crossing.channels import CHANNELS
 from gemheads.models.crossing.clip import Clip, track_clip
-from gemheads.models.crossing.double import Double, double_correlations, mirrored
+from gemheads.models.crossing.double import double_correlations, mirrored
 from gemheads.models.driver.face import FaceObservation
 from numpy.typing import NDArray
 from pixelface import PixelTracker, painted
@@ -58,4 +58,3 @@ def test_a_double_who_is_not_seen_says_nothing(clip: Clip) -> None:
     double = mirrored(clip, black)
     assert not double.seen.any()
     assert np.isnan(double_correlations(clip, double)).all()
-    assert isinstance(double, Double)

@@ -22,6 +22,7 @@ from gemheads.models.studio.moment import Act, Stage
 from gemheads.models.studio.rig import rig
 from gemheads.models.studio.subject import load_subject
 from gemheads.models.studio.surfaces import sky_images
+from refusals import refused
 
 needs_blender = pytest.mark.skipif(
     importlib.util.find_spec("bpy") is None, reason="bpy is not installed (pip install bpy==5.0.1 on Python 3.11)"
@@ -34,11 +35,9 @@ def test_without_blender_the_cure_is_said(
 ) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "bpy" else find(name))
-    assert main(["capture", str(tmp_path / "new"), "--renderer", "cycles", *SMALL]) == ExitCode.INPUT
-    said = capsys.readouterr().err
-    assert said.startswith("error: ")
-    assert "pip install bpy==5.0.1" in said
-    assert said.count("\n") == 1
+    code, error = refused(capsys, "capture", tmp_path / "new", "--renderer", "cycles", *SMALL)
+    assert code == ExitCode.INPUT
+    assert "pip install bpy==5.0.1" in error
     assert not (tmp_path / "new").exists()
 
 

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +30,9 @@ from gemheads.models.train.regressors.turns import learned_turns  # noqa: E402
 from gemheads.models.train.workers import WorkerLost, Workers  # noqa: E402
 from linearperson import linear_person  # noqa: E402
 from toygem import toy_gem  # noqa: E402
+from waiting import SOON, eventually  # noqa: E402
 
 MARA = Path(__file__).parents[3] / "assets" / "avatars" / "mara.gem"
-SOON = 20.0
-"""Seconds; a worker needs some to start."""
 
 
 def somebody(pictures: int) -> Person:
@@ -89,24 +88,17 @@ def test_what_goes_wrong_in_one_is_told_and_stops_the_others(how: str, error: ty
 def test_none_outlives_who_began_it(how: signal.Signals, tmp_path: Path) -> None:
     began = subprocess.Popen([sys.executable, labour.__file__, tmp_path / "note"], stderr=subprocess.PIPE)
     try:
-        _until(lambda: len(list(tmp_path.iterdir())) == 2)
+        eventually(lambda: len(list(tmp_path.iterdir())) == 2)
         processes = [int(note.suffix[1:]) for note in tmp_path.iterdir()]
         assert all(map(psutil.pid_exists, processes))
         for process in [began.pid, *processes] if how == signal.SIGINT else [began.pid]:  # a terminal tells all
             os.kill(process, how)
-        _until(lambda: not any(map(psutil.pid_exists, processes)))
+        eventually(lambda: not any(map(psutil.pid_exists, processes)))
         _, said = began.communicate(timeout=SOON)
         assert said.count(b"Traceback") == (how == signal.SIGINT)
     finally:
         began.kill()
         began.wait()
-
-
-def _until(so: Callable[[], bool]) -> None:
-    began = time.monotonic()
-    while not so():
-        assert time.monotonic() - began < SOON
-        time.sleep(0.1)
 
 
 def test_pictures_are_the_same_however_many_draw(workers: Workers, monkeypatch: pytest.MonkeyPatch) -> None:

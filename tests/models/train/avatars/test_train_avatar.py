@@ -1,12 +1,10 @@
 """Training a CNN avatar: it learns, it survives kills and faults, and its run can be distilled."""
 
 import json
-import os
 import shutil
 import signal
 import subprocess
 import sys
-import time
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,6 +17,7 @@ import pytest
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 import toycapture  # noqa: E402
+import trainee  # noqa: E402
 from checkpoints import assert_identical  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
@@ -26,16 +25,14 @@ from gemheads.models.train.avatars.astray import astray  # noqa: E402
 from gemheads.models.train.avatars.deform import Moment  # noqa: E402
 from gemheads.models.train.avatars.drawing import Stage  # noqa: E402
 from gemheads.models.train.avatars.moments import Moments  # noqa: E402
-from gemheads.models.train.avatars.plan import PRESETS, Plan  # noqa: E402
+from gemheads.models.train.avatars.plan import PRESETS  # noqa: E402
 from gemheads.models.train.avatars.run_source import run_source  # noqa: E402
 from gemheads.models.train.avatars.runs import CHECKPOINT, CONFIG, RunError, open_run, read_checkpoint, read_config  # noqa: E402
 from gemheads.models.train.avatars.train_avatar import PATIENCE, RETURNS, Trainer, train_avatar  # noqa: E402
 from gemheads.models.train.deck import Deck, frontal, spaced  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
-
-BRIEF = Plan(
-    32, 4, 2, steps=30, colors_first=8, checkpoint_every=5, preview_every=15, perceptual_every=2, perceptual_side=24
-)
+from trainee import BRIEF  # noqa: E402
+from waiting import eventually  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -62,19 +59,14 @@ def test_thirty_steps_learn(trained: Path) -> None:
 
 
 def test_killed_at_any_moment_it_comes_to_the_same(capture: Capture, trained: Path, tmp_path: Path) -> None:
-    code = (
-        "import sys, pathlib\n"
-        f"sys.path += {[str(Path(__file__).parent), str(Path(toycapture.__file__).parent)]!r}\n"
-        "from test_train_avatar import BRIEF, TINY, Perceptual, open_capture, train_avatar\n"
-        f"train_avatar(open_capture(pathlib.Path({str(capture.folder)!r})), pathlib.Path({str(tmp_path)!r}),"
-        " BRIEF, Perceptual(TINY))\n"
-    )
-    training = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "PYTEST_ADDOPTS": ""})
-    until = time.monotonic() + 120
-    while (state := read_checkpoint(tmp_path)) is None or state["step"] < 10:
+    training = subprocess.Popen([sys.executable, trainee.__file__, capture.folder, tmp_path])
+
+    def midway() -> bool:
         assert training.poll() is None, "it ended before it could be killed"
-        assert time.monotonic() < until
-        time.sleep(0.02)
+        state = read_checkpoint(tmp_path)
+        return state is not None and state["step"] >= 10
+
+    eventually(midway, 120)
     training.send_signal(signal.SIGKILL)
     assert training.wait(20) == -signal.SIGKILL
     assert read_checkpoint(tmp_path)["step"] < 30
