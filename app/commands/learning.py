@@ -127,9 +127,9 @@ def evaluate(
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     against: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     drivers: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    every: Whole = 3,
-    seconds: float = 30.0,
-    shots: Whole = 24,
+    every: Whole | None = None,
+    seconds: float | None = None,
+    shots: Whole | None = None,
     everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
     lpips: Literal["vgg", "alex", "none"] = "vgg",
     components: Annotated[list[Whole] | None, Parameter(consume_multiple=True, negative=())] = None,
@@ -149,9 +149,9 @@ def evaluate(
         against: More avatars, as further columns on the same pictures.
         drivers: Videos of faces that nothing was learned from: they drive the avatars, and what the avatars then do is
             compared with them.
-        every: Take each N-th frame of every driver.
-        seconds: Take only the first so many seconds of every driver.
-        shots: How many pictures of either kind, evenly over moments and cameras.
+        every: Take each N-th frame of every driver. Default: 3.
+        seconds: Take only the first so many seconds of every driver. Default: 30.
+        shots: How many pictures of either kind, evenly over moments and cameras. Default: 24.
         everything: Every picture instead.
         lpips: By which network LPIPS is measured; alex is 20 times faster, the paper has vgg.
         components: Judge each GEM with so many of its components, too: quality, size of the file, frames a second.
@@ -160,8 +160,13 @@ def evaluate(
     """
     from ..evaluation.evaluating import EvaluateWish, run_evaluating
     from ..evaluation.strangers import CrossingWish
+    from ..words import refuse
 
-    crossing = CrossingWish(tuple(drivers or ()), every, seconds)
-    counts, number = tuple(components or ()), None if everything else shots
+    if capture is not None and not drivers:
+        refuse("a capture alone", every=every, seconds=seconds)
+    if everything:
+        refuse("--all", shots=shots)
+    crossing = CrossingWish(tuple(drivers or ()), 3 if every is None else every, 30.0 if seconds is None else seconds)
+    counts, number = tuple(components or ()), None if everything else 24 if shots is None else shots
     wish = EvaluateWish(tuple(against or ()), number, lpips, crossing, counts, jobs)
     return run_evaluating(avatar, capture, out, wish)

@@ -73,7 +73,7 @@ def run_evaluating(avatar: str, capture: Path | None, out: Path, wish: EvaluateW
         about = None if footage is None else about_capture(footage)
         report = _report(_command(avatar, capture, wish), about, columns, judged, sizes, crossing)
         write_whole(out / FIGURES, [(json.dumps(report, indent=1) + "\n").encode()])
-        write_whole(out / PAGE, [_page(report, judged, sizes, crossing).encode()])
+        write_whole(out / PAGE, [_page(report, judged, sizes, crossing).encode("utf-8", "replace")])
     except CaptureError as error:
         raise InputError(str(error)) from error
     except OSError as error:
@@ -96,6 +96,8 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
         raise UsageError("--components: give a CAPTURE to judge by")
     if is_capture(out) or is_run(out):
         raise UsageError(f"{out}: is a capture or a training run; name another folder for the report")
+    if out.is_file():
+        raise UsageError(f"{out}: is a file; name a folder")
     if out.suffix in (".html", ".json"):
         raise UsageError(f"{out}: the report is a folder, such as -o {out.with_suffix('')}")
     check_crossing(wish.crossing)

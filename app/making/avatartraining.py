@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...models.captures.layout import CaptureError
-from ...models.captures.reader import open_capture
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError, cannot_write
 from ..progress import ProgressBar
+from .opencapture import opened
 
 if TYPE_CHECKING:
     from ...models.train.avatars.plan import Model, Plan
@@ -39,10 +39,12 @@ def run_avatar_training(capture: Path, out: Path, wish: TrainWish) -> ExitCode:
         from ...models.train.avatars.runs import RunError
         from ...models.train.avatars.train_avatar import train_avatar
     plan = _planned(wish)
+    if out.is_file():
+        raise UsageError(f"{out}: is a file; name a folder for the run")
+    footage = opened(capture)
     try:
-        opened = open_capture(capture)
         with ProgressBar() as bar:
-            outcome = train_avatar(opened, out, plan, _perceptual(plan), progress=bar.reach)
+            outcome = train_avatar(footage, out, plan, _perceptual(plan), progress=bar.reach)
     except (CaptureError, RunError) as error:
         raise InputError(str(error)) from error
     except OSError as error:

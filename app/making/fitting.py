@@ -72,7 +72,8 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
         from ...models.train.synthesis import fit as _  # noqa: F401 (only whether it can be had)
     source = open_source(picture, wish.rate, MOST_SIDE)  # a camera counts in the pixels of the file
     cast = open_avatar(avatar)
-    check_places(out, wish.errors, read=[*files_of(picture), avatar])
+    camera = None if wish.camera == PORTRAIT else Path(wish.camera)
+    check_places(out, wish.errors, read=[*files_of(picture), avatar, camera])
     fitter = _Fitter(cast, source, wish)
     frames: list[Fitted] = []
     code = ExitCode.OK

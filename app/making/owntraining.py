@@ -50,31 +50,38 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         from ...models.train.regressors.footage import read_footage
         from ...models.train.regressors.response import AvatarNotSeen
         from ...models.train.regressors.selfreenact import self_reenactment
-        from ...models.train.regressors.train_regressor import pictures_of
+        from ...models.train.regressors.train_regressor import FEWEST_OF_STRANGERS, pictures_of
         from ...models.train.workers import WorkerLost, Workers
     _check(wish)
     cast, footage = open_avatar(avatar), opened(capture)
     check_avatar_name(out)
-    check_places(out, wish.report, wish.strip, read=[capture, *wish.videos, *wish.companions])
+    own = None if out.resolve() == avatar.resolve() else avatar
+    check_places(out, wish.report, wish.strip, read=[capture, own, wish.labels, *wish.videos, *wish.companions])
+    if wish.strip is not None and not footage.test:
+        raise UsageError(f"--strip {wish.strip}: {capture} has no held-out expressions (test) to show; leave it out")
     effort = RegressorEffort(wish.pictures, wish.steps, seed=wish.seed)
-    judged: SelfReenactment | None = None
     try:
         with ProgressBar() as bar, Workers(processes(wish.jobs)) as workers:
             moments = training_moments(cast, footage, wish.labels, bar)
             videos = read_footage(wish.videos, lambda done, total: bar.reach("videos", done, total))
-            count = max(200, wish.pictures // 4)
+            count = max(FEWEST_OF_STRANGERS, wish.pictures // 4)
             others = [
                 pictures_of(load_gem(path), count, wish.seed, partial(bar.reach, "companions"), workers)
                 for path in (wish.companions if wish.pictures else ())
             ]
             learned = capture_regressor(cast.gem, footage, moments, effort, others, videos, bar.reach, workers)
-            if footage.test:
-                judged = self_reenactment(learned.gem, footage, learned.neutral, progress=bar.reach)
     except AvatarNotSeen as error:
         raise NoFaceError(f"{error}; --pictures 0 learns without the avatar's own pictures") from error
     except (CaptureError, ValueError, WorkerLost) as error:
         raise InputError(str(error)) from error
     save_learned(partial(save_gem, learned.gem, basis=read_info(avatar).card.basis), out)
+    judged: SelfReenactment | None = None
+    try:
+        if footage.test:
+            with ProgressBar() as bar:
+                judged = self_reenactment(learned.gem, footage, learned.neutral, progress=bar.reach)
+    except (CaptureError, ValueError) as error:
+        raise InputError(f"{out}: is saved, but how well it follows cannot be judged: {error}") from error
     if wish.report is not None:
         write_json(wish.report, _document(learned, judged))
     if wish.strip is not None and judged is not None:

@@ -1,6 +1,6 @@
-"""What refinement did, to look at: held-out pictures, the avatar before and after, and where it still differs."""
+"""What refinement did, to look at: pictures that judged it, the avatar before and after, and where it still differs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,14 +20,14 @@ ROWS = 4
 Side = tuple[Gem, "Mapping[int, Start]"]
 
 
-def refine_sheet(capture: Capture, before: Side, after: Side) -> NDArray[np.uint8]:
-    """[H, W, 3] a row for each of ROWS pictures: truth, before, after, and where after differs (white from 0.1 on)."""
+def refine_sheet(capture: Capture, judges: Sequence[Shot], before: Side, after: Side) -> NDArray[np.uint8]:
+    """[H, W, 3] a row for each of ROWS of the pictures that judge: truth, before, after, and where after differs (white
+    from 0.1 on)."""
     from ...models.train.deck import spaced
     from ...models.train.synthesis.fit import error_map
 
-    shots = [shot for shot in capture.val or capture.train if shot.timestep in after[1]]
     rows = []
-    for shot in spaced(shots, ROWS):
+    for shot in spaced(judges, ROWS):
         truth = capture.over_background(shot)
         first, second = (_drawn(capture, side, shot) for side in (before, after))
         rows.append(np.concatenate([truth, first, second, error_map((second / 255).astype(np.float32), truth)], 1))

@@ -82,8 +82,9 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
     if wish.sheet is not None:
         from .refinesheet import refine_sheet
 
-        write_png(refine_sheet(footage, (cast.gem, begin), (answer.gem, answer.moments)), wish.sheet)
-    print(_told(answer, cast, out, bool(footage.val)))
+        sheet = refine_sheet(footage, answer.judges, (cast.gem, begin), (answer.gem, answer.moments))
+        write_png(sheet, wish.sheet)
+    print(_told(answer, cast, out))
     return ExitCode.INTERRUPTED if answer.stopped else ExitCode.OK
 
 
@@ -129,8 +130,8 @@ def _signed(answer: "Refinement", footage: Capture) -> Gem:
     return replace(answer.gem, about={**answer.gem.about, "source": source})
 
 
-def _told(answer: "Refinement", cast: Avatar, out: Path, held_out: bool) -> str:
-    judges = "the held-out camera" if held_out else "training pictures set aside"
+def _told(answer: "Refinement", cast: Avatar, out: Path) -> str:
+    judges = answer.judged_by
     steps = f"{answer.iterations} steps" + (", stopped" if answer.stopped else "")
     if not answer.improved:
         best = max((quality for done, quality in answer.curve if done), default=answer.before)

@@ -36,6 +36,10 @@ def judged_shots(capture: Capture, split: str, count: int | None) -> tuple[Shot,
         views = listed[int((turn + 0.5) * len(listed) / count)]
         shot = views[turn * _stride(len(views)) % len(views)]
         taken[str(shot.picture)] = shot
+    left = [shot for shot in shots if str(shot.picture) not in taken]  # some moments have fewer cameras than turns
+    for place in range(missing := count - len(taken)):
+        shot = left[int((place + 0.5) * len(left) / missing)]
+        taken[str(shot.picture)] = shot
     return tuple(sorted(taken.values(), key=lambda shot: (shot.timestep, shot.camera_index)))
 
 

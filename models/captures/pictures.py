@@ -1,5 +1,6 @@
 """Pictures of a capture: their size from the header alone, and their pixels."""
 
+import os
 import struct
 from pathlib import Path
 
@@ -16,18 +17,22 @@ MAX_BYTES = 5 * MAX_PIXELS
 _MAX_SEGMENTS = 2**12
 """Of a JPEG before its size is told; a real one has a hundred at most."""
 _PNG = b"\x89PNG\r\n\x1a\n"
-_JPEG = b"\xff\xd8"
+_PNG_END = b"\x00\x00\x00\x00IEND\xaeB`\x82"
+_JPEG, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
+_LAST = 4096
+"""Bytes in which a picture ends; some programs put notes behind it."""
 _AGAIN = "export it again as PNG or JPEG"
 
 
 def picture_size(path: Path) -> tuple[int, int]:
-    """Width and height, from the first bytes of a PNG or JPEG. Raises CaptureError."""
+    """Width and height, from the first bytes of a PNG or JPEG, whose last ones are looked for. Raises CaptureError."""
     try:
-        with open_ordinary(path) as (file, _):
+        with open_ordinary(path) as (file, size):
             head = file.read(26)
             if head.startswith(_PNG) and len(head) == 26 and head[12:16] == b"IHDR":
-                width, height = struct.unpack(">II", head[16:24])
-                return width, height
+                width, height, depth = struct.unpack(">IIB", head[16:25])
+                file.seek(-min(_LAST, size), os.SEEK_END)
+                return _sound(path, width, height, depth, _PNG_END in file.read())
             if head.startswith(_JPEG):
                 file.seek(2)
                 for _ in range(_MAX_SEGMENTS):
@@ -36,8 +41,9 @@ def picture_size(path: Path) -> tuple[int, int]:
                         break
                     kind, length = mark[1], struct.unpack(">H", mark[2:])[0]
                     if 0xC0 <= kind <= 0xCF and kind not in (0xC4, 0xC8, 0xCC):  # a start of frame
-                        height, width = struct.unpack(">xHH", file.read(5))
-                        return width, height
+                        depth, height, width = struct.unpack(">BHH", file.read(5))
+                        file.seek(-min(_LAST, size), os.SEEK_END)
+                        return _sound(path, width, height, depth, _JPEG_END in file.read())
                     file.seek(length - 2, 1)
     except FileNotFoundError:
         raise CaptureError(path, "is missing", "copy it there, or take its frame out of the transforms file") from None
@@ -45,6 +51,15 @@ def picture_size(path: Path) -> tuple[int, int]:
         said = getattr(error, "strerror", None) or error
         raise CaptureError(path, f"cannot be read ({said})", _AGAIN) from error
     raise CaptureError(path, "is neither PNG nor JPEG", _AGAIN)
+
+
+def _sound(path: Path, width: int, height: int, depth: int, ends: bool) -> tuple[int, int]:
+    """The size of a picture that will be read, hours later. Raises CaptureError for one that will not."""
+    if depth > 8:
+        raise CaptureError(path, f"has {depth} bits a channel", "export it again with 8 bits a channel")
+    if not ends:
+        raise CaptureError(path, "breaks off before its end", "copy it again")
+    return width, height
 
 
 def read_pixels(path: Path, width: int, height: int) -> NDArray[np.uint8]:

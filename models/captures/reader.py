@@ -133,6 +133,7 @@ def open_capture(folder: Path) -> Capture:
         raise CaptureError(folder / transforms_name("train"), "lists no pictures", "a capture needs some to learn from")
     template = read_template(folder / TEMPLATE)
     meshes = _joined(folder, splits)
+    _check_held_out(folder, splits)
     for split in splits.values():
         for shot in split.shots:
             _check_pictures(shot)
@@ -161,6 +162,17 @@ def _joined(folder: Path, splits: Mapping[str, Transforms]) -> dict[int, Path]:
                 what = f"timestep {timestep} is another moment than in {transforms_name('train')}"
                 raise CaptureError(folder / transforms_name(name), what, "number timesteps uniquely over all splits")
     return meshes
+
+
+def _check_held_out(folder: Path, splits: Mapping[str, Transforms]) -> None:
+    """What judges was never learned from: no view of a training moment, and no picture, is in two splits."""
+    views = {(shot.timestep, shot.camera_index) for shot in splits["train"].shots}
+    pictures = {shot.picture for shot in splits["train"].shots}
+    for split in SPLITS[1:]:
+        for shot in splits[split].shots:
+            if shot.picture in pictures or (shot.timestep, shot.camera_index) in views:
+                what = f"{shot.picture.name} is in {transforms_name('train')} too, and would judge what it taught"
+                raise CaptureError(folder / transforms_name(split), what, "take it out of one of the two")
 
 
 def _check_pictures(shot: Shot) -> None:

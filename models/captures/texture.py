@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .deformation import vertex_normals
 from .headmotion import posed
-from .layout import Shot
+from .layout import CaptureError, Shot
 from .meshview import see
 from .reader import Capture
 from .texels import Texels
@@ -25,6 +25,8 @@ SPREAD = 0.06
 """Of colours in 0..1 that still agree; what lies farther off (a shine, a shadow, hair) counts little ..."""
 ROUNDS = 4
 """... after so many rounds of weighing anew."""
+CERTAIN = 250
+"""Of 255, in a mask: the person alone. Soft mattes hardly ever say 255."""
 _CHUNK = 512
 _NOTHING_SEEN = 0.5
 
@@ -36,6 +38,7 @@ def texel_colors(
 
     Every texel is projected into SHOTS training pictures; where the mesh's own depth says that it is in front, its
     pixel counts by how straight it is looked at. The mean is that of Cauchy: outliers lose their weight.
+    Raises CaptureError where nothing of the template is seen at all.
     """
     shots = spread_shots(capture.train, SHOTS)
     samples = np.zeros((len(shots), len(texels), 3), np.uint8)
@@ -45,6 +48,13 @@ def texel_colors(
         progress("texture", index + 1, len(shots))
     total = weights.sum(0)
     seen = total > 0
+    if not seen.any():
+        raise CaptureError(
+            capture.folder,
+            "no training picture shows any of the template",
+            "masks must be white (255) where the person is, cameras camera-to-world with OpenGL axes, and meshes in the"
+            " same world as the cameras",
+        )
     colors = np.full((len(texels), 3), _NOTHING_SEEN, np.float32)
     for start in range(0, len(texels), _CHUNK):
         part = np.s_[start : start + _CHUNK]
@@ -93,7 +103,7 @@ def _seen(capture: Capture, texels: Texels, shot: Shot) -> tuple[NDArray[np.uint
     column, row = np.where(inside, column, 0), np.where(inside, row, 0)
     rgba = capture.read(shot)
     # the outermost pixels of the person have the background mixed in
-    person = cv2.erode(rgba[..., 3], np.ones((3, 3), np.uint8)) == 255
+    person = cv2.erode(rgba[..., 3], np.ones((3, 3), np.uint8)) >= CERTAIN
     visible = inside & (cosine > LEAST_COSINE) & (depth < nearest[row, column] + BEHIND_M) & person[row, column]
     return rgba[row, column, :3], np.where(visible, cosine**2, 0).astype(np.float32)
 

@@ -20,6 +20,9 @@ _GL_FROM_CV = np.diag([1.0, -1.0, -1.0, 1.0])
 _RIGID_TOLERANCE = 1e-3
 _MAX_PATH = 400
 _INTRINSICS = ("fl_x", "fl_y", "cx", "cy", "w", "h")
+_DISTORTION = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2")
+_STRAIGHT = ("PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV")
+"""Camera models whose lenses are straight where no number of _DISTORTION says otherwise."""
 _FRAME_CURE = "correct that frame, or take it out"
 
 
@@ -108,6 +111,7 @@ def _shot(
     lacking = [key for key, value in zip(_INTRINSICS, values, strict=True) if not _is_number(value)]
     if lacking:
         raise CaptureError(path, f"{name} ({picture.name}) has a camera without {', '.join(lacking)}", _FRAME_CURE)
+    _check_lens(path, f"{name} ({picture.name})", tree, frame)
     fx, fy, cx, cy, w, h = map(float, values)
     matrix = _matrix(path, f"{name} ({picture.name})", frame.get("transform_matrix"))
     key = np.array([fx, fy, cx, cy, w, h, *matrix.ravel()]).tobytes()
@@ -125,6 +129,15 @@ def _shot(
         camera_index=_whole(path, name, frame, "camera_index"),
         timestep=_whole(path, name, frame, "timestep_index"),
     )
+
+
+def _check_lens(path: Path, name: str, tree: Mapping[str, Any], frame: Mapping[str, Any]) -> None:
+    """Raises CaptureError for a lens that bends lines: nothing here would straighten them."""
+    bent = [key for key in _DISTORTION if frame.get(key, tree.get(key, 0)) != 0]
+    model = frame.get("camera_model", tree.get("camera_model", "PINHOLE"))
+    if bent or model not in _STRAIGHT:
+        what = f"{name}: its lens bends lines ({', '.join(bent) or model})"
+        raise CaptureError(path, what, "undistort the pictures first, such as with colmap image_undistorter")
 
 
 def _matrix(path: Path, name: str, value: Any) -> np.ndarray:
@@ -147,6 +160,7 @@ def _inside(path: Path, name: str, value: Any) -> Path:
     """A path of the transforms file, which has to stay in its folder."""
     if not isinstance(value, str) or not 0 < len(value) <= _MAX_PATH or "\0" in value:
         raise CaptureError(path, f"{name} has no file_path, or one that is no text", _FRAME_CURE)
+    value = value.replace("\\", "/")  # as Windows writes paths
     relative = PurePosixPath(value)
     if not relative.parts:
         raise CaptureError(path, f"{name}: {value!r} names no file", _FRAME_CURE)

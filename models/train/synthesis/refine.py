@@ -4,6 +4,7 @@ Every step draws one moment as one camera saw it. Now and then the bases are mad
 changing, and the avatar is looked at by cameras that nothing was learned from: the best one so far is kept.
 """
 
+from collections import Counter
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -69,6 +70,10 @@ class RefineEffort:
     seed: int = 0
 
 
+HELD_OUT, ASIDE, OWN = "the held-out camera", "training pictures set aside", "its own training pictures"
+"""What judges, in words."""
+
+
 @dataclass(frozen=True)
 class Refinement:
     """What became of an avatar."""
@@ -89,6 +94,10 @@ class Refinement:
     """How many were done."""
     stopped: bool
     """By Ctrl-C, before all were done."""
+    judges: tuple[Shot, ...]
+    """The pictures that ``before`` and ``after`` are about."""
+    judged_by: str
+    """What they are, in words."""
 
     @property
     def improved(self) -> bool:
@@ -110,7 +119,8 @@ def refine(
 
     Args:
         gem: distilled from this person.
-        capture: its ``val`` pictures judge; without any, every tenth training picture is set aside for that.
+        capture: its ``val`` pictures judge; without any, every tenth training picture is set aside for that; where no
+            moment has two pictures, those that are learned from.
         moments: timestep -> expression and pose with which each training moment begins; others are left out.
         effort: what, and how long.
         perceptual: equation 2's network; None leaves that term out.
@@ -140,7 +150,7 @@ class _Run:
         self._gem, self._capture, self._effort, self._perceptual = gem, capture, effort, perceptual
         self._device = device
         self._moments = moments
-        learned, self._judges = _split(capture, moments)
+        learned, self._judges, self._judged_by = _split(capture, moments)
         for timestep, moment in moments.items():
             if moment.coefficients.shape != (gem.coefficient_count,):
                 found = moment.coefficients.shape
@@ -179,7 +189,18 @@ class _Run:
             for timestep, index in self._place.items()
         }
         curve, losses = tuple(course.curve), tuple(course.losses)
-        return Refinement(answer, moments, course.before, course.best, curve, losses, course.done, stopped)
+        return Refinement(
+            answer,
+            moments,
+            course.before,
+            course.best,
+            curve,
+            losses,
+            course.done,
+            stopped,
+            tuple(self._judges),
+            self._judged_by,
+        )
 
     def _judge(self, course: Course) -> None:
         self.free.orthonormalise()
@@ -274,19 +295,28 @@ class _Run:
         return torch.optim.Adam(options, fused=True)
 
 
-def _split(capture: Capture, known: Container[int]) -> tuple[list[Shot], list[Shot]]:
-    """What is learned from, and what judges, of the moments that are known."""
+def _split(capture: Capture, known: Container[int]) -> tuple[list[Shot], list[Shot], str]:
+    """What is learned from, what judges, and what that is, of the moments that are known.
+
+    Without a held-out camera every tenth picture is set aside, of moments that keep another one. Where there is none,
+    the training pictures themselves judge.
+    """
     learned = [shot for shot in capture.train if shot.timestep in known]
     if not learned:
         raise ValueError(f"{capture.folder}: no training picture belongs to a moment that is known")
-    moments = {shot.timestep for shot in learned}
-    judges = [shot for shot in capture.val if shot.timestep in moments]
+    views = Counter(shot.timestep for shot in learned)
+    judges, what = [shot for shot in capture.val if shot.timestep in views], HELD_OUT
     if not judges:
-        judges = learned[9::10] or learned[-1:]
+        judges, what = [], ASIDE
+        for shot in learned[9::10] or learned[-1:]:
+            if views[shot.timestep] > 1:
+                views[shot.timestep] -= 1
+                judges.append(shot)
         aside = {shot.picture for shot in judges}
-        learned = [shot for shot in learned if shot.picture not in aside] or learned
-    moments = {shot.timestep for shot in learned}
-    return learned, spaced([shot for shot in judges if shot.timestep in moments] or learned, JUDGED)
+        learned = [shot for shot in learned if shot.picture not in aside]
+    if not judges:
+        judges, what = learned, OWN
+    return learned, spaced(judges, JUDGED), what
 
 
 def _parts(images: Sequence[Tensor], side: int, lot: np.random.Generator) -> list[Tensor]:

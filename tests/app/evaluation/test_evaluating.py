@@ -204,7 +204,9 @@ def test_a_capture_without_one_split_has_one_table(
         (("{toy}", "{capture}", "--against", "{capture}"), ExitCode.INPUT, "it is no ordinary file"),
         (("{toy}", "nowhere"), ExitCode.INPUT, "nowhere: is no folder"),
         (("{toy}", "{unjudged}"), ExitCode.INPUT, "neither a held-out camera (transforms_val.json) nor"),
-        (("{toy}", "{capture}", "-o", "{toy}"), ExitCode.OUTPUT, "cannot be written"),
+        (("{toy}", "{capture}", "-o", "{toy}"), ExitCode.USAGE, "is a file; name a folder"),
+        (("{toy}", "{capture}", "--every", "5"), ExitCode.USAGE, "--every: does nothing for a capture alone"),
+        (("{toy}", "{capture}", "--all", "--shots", "5"), ExitCode.USAGE, "--shots: does nothing for --all"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(

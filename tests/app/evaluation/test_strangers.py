@@ -275,7 +275,7 @@ def places(tiny: Path, drivers: tuple[Path, Path], make_clip: Clip, tmp_path: Pa
         (("{tiny}", "--drivers", "{ann}", "--every", "9"), ExitCode.NO_FACE, "a face in 2 of 2 frames"),
         (("{bare}", "--drivers", "{ann}"), ExitCode.INPUT, "neither a regressor nor ARKit shapes"),
         (("{run}", "--drivers", "{ann}"), ExitCode.INPUT, "a run is judged on a capture"),
-        (("{tiny}", "--drivers", "{ann}", "-o", "{tiny}"), ExitCode.OUTPUT, "cannot be written"),
+        (("{tiny}", "--drivers", "{ann}", "-o", "{tiny}"), ExitCode.USAGE, "is a file; name a folder"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(

@@ -99,6 +99,7 @@ def test_what_cannot_be_fitted_is_told(tiny: Path, tmp_path: Path, capsys: pytes
         ((str(tiny), shot, "--background", "transparent"), ExitCode.USAGE, "give its colour"),
         ((str(tiny), small), ExitCode.INPUT, "sides from 16"),
         ((str(tiny), "none.png"), ExitCode.INPUT, "none.png: no such file"),
+        ((str(tiny), shot, "--camera", view, "--errors", view), ExitCode.USAGE, "view.json, which is read"),
     ):
         found, error = refused(capsys, "fit", *words, *out)
         assert found == code

@@ -1,6 +1,7 @@
 """``gemheads train-regressor`` with a capture: what it refuses, before anything is learned."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,6 +9,10 @@ pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 import toycapture
 from gemheads.app.errors import ExitCode
+from gemheads.app.library import find_avatar
+from gemheads.models.captures.layout import CaptureError
+from gemheads.models.gem import Gem
+from gemheads.models.gemfile import load_gem
 from refusals import refused
 
 
@@ -69,3 +74,41 @@ def test_another_avatars_labels_and_missing_ones(
     assert code == ExitCode.INPUT
     assert "none.track" in error
     assert not (tmp_path / "out.gem").exists()
+
+
+@pytest.mark.parametrize("option", ["--report", "--strip"])
+@pytest.mark.parametrize("which", ["avatar", "labels"])
+def test_nothing_that_is_read_is_written_over(
+    capture: Path, tmp_path: Path, option: str, which: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    places = {"avatar": tmp_path / "copy.gem", "labels": tmp_path / "labels.track"}
+    places["avatar"].write_bytes(find_avatar("mara").read_bytes())
+    places["labels"].write_bytes(b"labels")
+    words = ("--labels", places["labels"], "-o", tmp_path / "out.gem", option, places[which])
+    before = places[which].read_bytes()
+    code, error = refused(capsys, "train-regressor", str(places["avatar"]), str(capture), *map(str, words))
+    assert code == ExitCode.USAGE
+    assert "which is read" in error
+    assert places[which].read_bytes() == before
+
+
+def test_a_regressor_that_cannot_be_judged_is_kept(
+    capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What was learned for hours is worth more than its figures."""
+    from gemheads.models.train.regressors import capture_regressor, selfreenact
+
+    def learned(gem: Gem, *_: object) -> object:
+        return SimpleNamespace(gem=gem, neutral=None)
+
+    def unseen(*_: object, **__: object) -> object:
+        raise CaptureError(capture, "shows no face in its test pictures", "look at them")
+
+    monkeypatch.setattr("gemheads.app.making.owntraining.training_moments", lambda *_: {})
+    monkeypatch.setattr(capture_regressor, "capture_regressor", learned)
+    monkeypatch.setattr(selfreenact, "self_reenactment", unseen)
+    out = tmp_path / "out.gem"
+    code, error = refused(capsys, "train-regressor", "mara", str(capture), "-o", str(out), "--pictures", "0")
+    assert code == ExitCode.INPUT
+    assert "is saved, but how well it follows cannot be judged" in error
+    assert load_gem(out).name == "mara"

@@ -45,6 +45,11 @@ def test_few_pictures_still_meet_every_camera_and_all_of_time(count: int) -> Non
     assert max(moments) > 63 - 64 / count - 1
 
 
+def test_as_many_as_are_asked_for_where_moments_have_few_cameras() -> None:
+    uneven = [*grid(range(8), range(16)), *grid(range(8, 16), range(1))]
+    assert len(judged_shots(Footage(test=uneven), "test", 24)) == 24
+
+
 def test_all_means_all() -> None:
     footage = Footage(val=grid(range(9), range(2)))
     assert len(judged_shots(footage, "val", None)) == len(judged_shots(footage, "val", 99)) == 18

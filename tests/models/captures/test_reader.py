@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from gemheads.models.captures.headmotion import estimated, posed, unposed
@@ -105,6 +106,12 @@ def test_memory_does_not_grow_with_the_moments(folder: Path) -> None:
     assert len({id(shot.camera) for shot in capture.train}) == 1
 
 
+def test_paths_may_be_written_as_windows_does(folder: Path) -> None:
+    path = folder / "transforms_train.json"
+    path.write_text(path.read_text().replace("images/", "images\\\\"))
+    assert open_capture(folder).train[0].picture.is_file()
+
+
 def test_soft_edges_lose_the_background(folder: Path) -> None:
     capture = open_capture(folder)
     shot = capture.train[0]
@@ -182,7 +189,32 @@ def _text(name: str, text: str) -> Callable[[Path], None]:
 SCALED = (np.diag([2.0, 2, 2, 1])).tolist()
 MIRROR = (np.diag([-1.0, 1, 1, 1])).tolist()
 NAN = np.full((36, 3), 0, np.float32) + np.where(np.arange(36) == 7, np.nan, 0)[:, None].astype(np.float32)
-HUGE_HEAD = b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sIIBB", 13, b"IHDR", 9000, 9000, 8, 2)
+PNG_END = b"\x00\x00\x00\x00IEND\xaeB`\x82"
+HUGE = b"\x89PNG\r\n\x1a\n" + struct.pack(">I4sIIBB", 13, b"IHDR", 9000, 9000, 8, 2) + PNG_END
+
+
+def _torn(suffix: str) -> Callable[[Path], None]:
+    """Its last picture ends early, as one that was copied from a full disk."""
+
+    def spoil(folder: Path) -> None:
+        path = folder / "images" / "00003_01.png"
+        _, data = cv2.imencode(suffix, np.zeros((14, 20, 3), np.uint8))
+        path.write_bytes(data.tobytes()[:-2])
+
+    return spoil
+
+
+def _deep(folder: Path) -> None:
+    cv2.imwrite(str(folder / "images" / "00003_01.png"), np.zeros((14, 20, 3), np.uint16))
+
+
+def _taught(folder: Path) -> None:
+    """A picture that was learned from stands among those that judge."""
+    train, val = (json.loads((folder / f"transforms_{split}.json").read_text()) for split in ("train", "val"))
+    val["frames"].append(train["frames"][2])
+    (folder / "transforms_val.json").write_text(json.dumps(val))
+
+
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     "no list of pictures": (lambda f: (f / "transforms_train.json").unlink(), "transforms_train.json: is missing"),
     "missing picture": (lambda f: (f / "images/00001_00.png").unlink(), "images/00001_00.png: is missing"),
@@ -193,9 +225,15 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
         "fg_masks/00003_01.png: is 4x3",
     ),
     "more pixels than are read": (
-        lambda f: (f / "images/00001_00.png").write_bytes(HUGE_HEAD) and None,
+        lambda f: (f / "images/00001_00.png").write_bytes(HUGE) and None,
         "images/00001_00.png: is 9000x9000, more than",
     ),
+    "torn PNG": (_torn(".png"), "images/00003_01.png: breaks off before its end"),
+    "torn JPEG": (_torn(".jpg"), "images/00003_01.png: breaks off before its end"),
+    "16 bits": (_deep, "images/00003_01.png: has 16 bits a channel"),
+    "judged by what it taught": (_taught, "transforms_val.json: 00002_00.png is in transforms_train.json too"),
+    "bent lens": (_frame({"k1": -0.4, "p2": 0.01, "camera_model": "OPENCV"}), r"lens bends lines \(k1, p2\)"),
+    "fisheye": (_top(camera_model="OPENCV_FISHEYE"), r"lens bends lines \(OPENCV_FISHEYE\)"),
     "no picture": (_text("images/00000_00.png", "hello"), "images/00000_00.png: is neither PNG nor JPEG"),
     "no intrinsics": (_frame({"fl_x": None, "cy": None}), r"frame 1 \(00001_00.png\) has a camera without fl_x, cy"),
     "no focal length": (_frame({"fl_y": 0}), "frame 1 .*focal lengths must be"),
@@ -273,10 +311,9 @@ def test_intrinsics_may_stand_once(folder: Path) -> None:
 
 
 def test_sizes_are_read_from_headers(tmp_path: Path) -> None:
-    import cv2
-
     image = np.zeros((31, 57, 3), np.uint8)
-    for suffix in (".png", ".jpg"):
+    for suffix, end in ((".png", PNG_END), (".jpg", b"\xff\xd9")):
         path = tmp_path / f"a{suffix}"
-        path.write_bytes(cv2.imencode(suffix, image)[1].tobytes()[:-40])  # what follows the header does not matter
+        data = cv2.imencode(suffix, image)[1].tobytes()
+        path.write_bytes(data[:-40] + end + b"notes of a camera")  # what is between header and end does not matter
         assert picture_size(path) == (57, 31)

@@ -1,10 +1,15 @@
 """The bare mesh of a capture as splats: colours from its pictures, motion from its tracking."""
 
+import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
-from gemheads.models.captures.reader import open_capture
+import pytest
+from gemheads.models.captures.layout import CaptureError
+from gemheads.models.captures.reader import Capture, open_capture
 from gemheads.models.captures.texels import texels_of
 from gemheads.models.captures.texture import spread_shots, texel_colors
 from gemheads.models.importers.adopt import adopt
@@ -35,16 +40,35 @@ def test_hidden_texels_have_the_colours_of_neighbours_of_their_part(toy_capture:
 
 
 def test_a_shadow_in_a_few_pictures_does_not_count(toy_capture: Path, tmp_path: Path) -> None:
-    import shutil
-
-    import cv2
-
     folder = shutil.copytree(toy_capture, tmp_path / "shadowed")
     cv2.imwrite(str(folder / "images" / "00001_02.png"), np.zeros((64, 64, 3), np.uint8))
     clean, shadowed = (open_capture(place) for place in (toy_capture, folder))
     texels = texels_of(clean.template, 24)
     colors, seen = texel_colors(clean, texels)
     assert np.abs(texel_colors(shadowed, texels)[0] - colors)[seen].mean() < 0.01
+
+
+def masked(capture: Path, to: Path, change: Callable[[np.ndarray], np.ndarray]) -> Capture:
+    """The same capture with other masks."""
+    folder = shutil.copytree(capture, to)
+    for file in (folder / "fg_masks").iterdir():
+        mask = cv2.imread(str(file), cv2.IMREAD_UNCHANGED)
+        assert mask is not None
+        cv2.imwrite(str(file), change(mask))
+    return open_capture(folder)
+
+
+def test_soft_mattes_show_the_person_too(toy_capture: Path, tmp_path: Path) -> None:
+    capture = masked(toy_capture, tmp_path / "soft", lambda mask: np.minimum(mask, 254))
+    texels = texels_of(capture.template, 24)
+    assert texel_colors(capture, texels)[1].mean() > 0.9
+
+
+def test_masks_that_show_nobody_are_told(toy_capture: Path, tmp_path: Path) -> None:
+    """As those that say 1 where the person is: the avatar would be grey."""
+    capture = masked(toy_capture, tmp_path / "ones", lambda mask: np.minimum(mask, 1))
+    with pytest.raises(CaptureError, match="no training picture shows any of the template"):
+        texel_colors(capture, texels_of(capture.template, 24))
 
 
 def test_shots_are_spread_over_moments_and_cameras(toy_capture: Path) -> None:

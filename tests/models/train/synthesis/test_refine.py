@@ -18,7 +18,7 @@ from gemheads.models.posing import pose_head  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
 from gemheads.models.train.synthesis.fit import HeadPose, Start  # noqa: E402
 from gemheads.models.train.synthesis.freegem import FreeGem  # noqa: E402
-from gemheads.models.train.synthesis.refine import RefineEffort, refine  # noqa: E402
+from gemheads.models.train.synthesis.refine import ASIDE, OWN, RefineEffort, refine  # noqa: E402
 from gemheads.models.train.synthesis.unfinished import Unfinished  # noqa: E402
 from gemheads.render.software import SoftwareEngine  # noqa: E402
 
@@ -183,6 +183,18 @@ def test_without_a_held_out_camera_pictures_are_set_aside(toy: Toy) -> None:
     capture, gem, moments = toy
     result = refine(gem, replace(capture, val=()), moments, RefineEffort(iterations=40))
     assert result.improved
+    assert result.judged_by == ASIDE
+    assert len(result.judges) == len(capture.train) // 10
+    assert result.moments.keys() == moments.keys()
+
+
+def test_where_nothing_can_be_set_aside_that_is_said(toy: Toy) -> None:
+    capture, gem, moments = toy
+    alone = replace(capture, val=(), train=tuple(shot for shot in capture.train if shot.camera_index == 0))
+    result = refine(gem, alone, moments, RefineEffort(iterations=10))
+    assert result.judged_by == OWN
+    assert result.judges == alone.train
+    assert result.moments.keys() == moments.keys()
 
 
 @pytest.mark.parametrize(
