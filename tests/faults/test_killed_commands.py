@@ -64,8 +64,8 @@ def test_a_killed_folder_of_pictures_is_continued(played: tuple[Path, Path], tmp
     assert 3 <= len(kept) < FRAMES
 
 
-def test_a_killed_training_leaves_the_old_avatar_or_the_new_one(played: tuple[Path, Path], tmp_path: Path) -> None:
-    """One that takes over what another avatar has learned: it learns nothing, and writes as all others do."""
+def test_a_killed_training_leaves_the_avatar_as_it_was(played: tuple[Path, Path], tmp_path: Path) -> None:
+    """Or as it was to become: it takes over what another has learned, learns nothing, and writes as all others do."""
     pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
     path, words = tmp_path / "avatar.gem", ["train-regressor", str(tmp_path / "avatar.gem"), "--take-over", "mara"]
     path.write_bytes(played[0].read_bytes())

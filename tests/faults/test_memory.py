@@ -21,6 +21,15 @@ def out_of_memory(*_: object, **__: object) -> None:
     raise MemoryError
 
 
+def test_a_command_says_that_the_memory_is_full(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(export, "export_expression", out_of_memory)
+    code, error = refused(capsys, "export", "mara", "-o", tmp_path / "a.ply")
+    assert code == ExitCode.UNEXPECTED
+    assert error.startswith("error: the memory is full; close other programs")
+
+
 def numpy_fails() -> None:
     np.empty(2**60, np.uint8)
 
@@ -44,11 +53,11 @@ def onnxruntime_fails() -> None:
     session.run(None, {"size": np.array([2**55])})
 
 
-@pytest.mark.parametrize("stage", [out_of_memory, numpy_fails, opencv_fails, torch_fails, onnxruntime_fails])
+@pytest.mark.parametrize("stage", [numpy_fails, opencv_fails, torch_fails, onnxruntime_fails])
 def test_whatever_library_finds_the_memory_full(
     stage: Callable[[], None], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """Python itself, and others of which each has an error of its own for it."""
+    """Each has an error of its own for it."""
     monkeypatch.setattr(export, "export_expression", lambda *_: stage())
     code, error = refused(capsys, "export", "mara", "-o", tmp_path / "a.ply")
     assert code == ExitCode.UNEXPECTED

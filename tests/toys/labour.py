@@ -11,6 +11,9 @@ import numba
 import torch
 from gemheads.models.train.workers import Workers
 
+LONG = 60.0
+"""Seconds at least that whoever goes on is at work, unless stopped."""
+
 
 def square(advance: Callable[[], None], number: int, last: float = 0) -> tuple[int, int]:
     time.sleep(last)
@@ -27,7 +30,7 @@ def troubled(advance: Callable[[], None], how: str) -> None:
         os._exit(1)
     if how == "fails":
         raise ValueError("more than it can bear")
-    for _ in range(600):
+    for _ in range(round(10 * LONG)):
         time.sleep(0.1)
         advance()
 
