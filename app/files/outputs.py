@@ -1,5 +1,6 @@
 """What results are called, and whether they may be written there."""
 
+import errno
 import itertools
 import os
 from collections.abc import Iterable
@@ -51,13 +52,23 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
     for out in filter(None, outs):
         place = out.resolve()  # through folders that are not there yet
         names = (place, partial_name(place)) if place.name else (place,)
-        read = [known[one] for one in (_identity(name) for name in names if os.path.exists(name)) if one in known]
-        if os.path.isdir(place):
+        read = [known[one] for one in (_identity(name) for name in names if _is_there(name)) if one in known]
+        if _is_there(place) and place.is_dir():
             read += [file for file in frames if file.parent.samefile(place)]
         if read:
             raise UsageError(f"{out}: would be written over {read[0]}, which is read; choose another name")
         if any(taken.setdefault(name, out) is not out for name in names):
             raise UsageError(f"{out}: two results would have this name; choose another one")
+
+
+def _is_there(path: Path) -> bool:
+    """A name that is too long for the disk is not; where nobody may look, that is for whoever asked to hear."""
+    try:
+        return path.exists()
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            return False
+        raise
 
 
 def _identity(file: Path) -> tuple[int, int]:
