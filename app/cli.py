@@ -66,20 +66,26 @@ def main(arguments: list[str] | None = None) -> int:
     except CommandError as error:
         if debug:
             raise
-        print(f"error: {error}", file=sys.stderr)
+        _say(str(error))
         return error.code
     except Exception as error:
         if debug:
             raise
         if lacks_room(error):
-            print(f"error: {NO_ROOM}", file=sys.stderr)
+            _say(NO_ROOM)
             return ExitCode.OUTPUT
         if said := no_way_to(error):
-            print(f"error: {said}", file=sys.stderr)
+            _say(said)
             return ExitCode.INPUT
         told = f"unexpected {type(error).__name__}: {error}; run again with --debug to see where"
-        print(f"error: {FULL if lacks_memory(error) else told}", file=sys.stderr)
+        _say(FULL if lacks_memory(error) else told)
         return ExitCode.UNEXPECTED
+
+
+def _say(error: str) -> None:
+    """One line on stderr; what came out of a file steers no terminal."""
+    shown = (char if char.isprintable() or "\ud800" <= char <= "\udfff" else " " for char in error)
+    print(f"error: {''.join(shown)}", file=sys.stderr)  # half a pair of surrogates: a file name that is no Unicode
 
 
 def _empty(arguments: list[str]) -> str:

@@ -51,8 +51,9 @@ def save_gem(gem: Gem, path: str | Path, basis: str = "int8") -> None:
     tensors = _tensors(gem, basis)
     for name, values in tensors.items():
         check_values(name, values, len(gem))
+    reach = _reach(tensors)
     for name in MODALITIES:
-        check_motion(name, *(tensors[f"{name}.{part}"] for part in ("components", "scale", "sigma")))
+        check_motion(name, tensors[f"{name}.components"], tensors[f"{name}.scale"], reach[name])
     _check_texels(gem.uv_index, gem.uv_size)
     payload = [np.ascontiguousarray(tensor).data for tensor in tensors.values()]
     seal = None
@@ -138,7 +139,8 @@ def _read(file: BufferedReader, header: Header, layout: Layout, card: Card) -> T
 
 
 def _gem(tensors: Tensors, layout: Layout, card: Card) -> Gem:
-    bases = {name: _basis(name, tensors, layout) for name in MODALITIES}
+    reach = _reach(tensors)
+    bases = {name: _basis(name, tensors, layout, reach[name]) for name in MODALITIES}
     _check_texels(tensors["uv_index"], card.uv_size)
     graph = None
     if card.regressor is not None:
@@ -163,9 +165,19 @@ def _gem(tensors: Tensors, layout: Layout, card: Card) -> Gem:
     )
 
 
-def _basis(name: str, tensors: Tensors, layout: Layout) -> Basis:
+def _reach(tensors: Tensors) -> dict[str, NDArray[np.float32]]:
+    """[K] of each modality: the third part of how far its coefficients go, driven or at rest."""
+    reach, start = {}, 0
+    for name in MODALITIES:
+        sigma = tensors[f"{name}.sigma"]
+        rest = tensors["rest"][start : start + len(sigma)] if "rest" in tensors else np.zeros_like(sigma)
+        reach[name], start = np.maximum(sigma, np.abs(rest) / 3), start + len(sigma)
+    return reach
+
+
+def _basis(name: str, tensors: Tensors, layout: Layout, reach: NDArray[np.float32]) -> Basis:
     values, scale, sigma = (tensors[f"{name}.{part}"] for part in ("components", "scale", "sigma"))
-    check_motion(name, values, scale, sigma)
+    check_motion(name, values, scale, reach)
     rows = np.zeros((len(sigma) + 1, layout.splats * CHANNELS[name]), np.float32)
     rows[0] = tensors[f"{name}.mean"].reshape(-1)
     expand(Compact(tensors[f"{name}.kept"], values, scale), rows[1:])

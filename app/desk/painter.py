@@ -79,10 +79,10 @@ class Painter:
         key = (id(gem), components, width, height, state.yaw, state.pitch, state.zoom, state.background)
         key = (*key, state.exposure, state.warmth)
         if self._stage is None or key != self._key:
-            self._key = key
             camera, background = camera_of(gem, state, width, height), ground(state.background)
             self._whole = Stage(_lit(gem, state), self.engine, camera, background, self.watch)
             self._stage = replace(self._whole, components=min(components, gem.components))
+            self._key = key
         return self._stage
 
 

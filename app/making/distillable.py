@@ -10,9 +10,10 @@ from ...models.captures.reader import Capture, open_capture
 from ...models.heads.performance import perform
 from ...models.importers.adopt import Progress
 from ...models.importers.baremesh import capture_source
+from ...models.importers.foreign import ForeignFormatError
 from ...models.importers.gaussianavatars import SPLATS, is_bound, open_bound
 from ...models.importers.lam import MESH, load_lam
-from ...models.importers.plysequence import MAX_FRAMES, open_sequence
+from ...models.importers.plysequence import MAX_FRAMES, open_sequence, ply_files
 from ...models.importers.source import Source
 from ..errors import InputError, TrainingExtra, UsageError
 from ..words import refuse
@@ -114,6 +115,9 @@ def _foreign(path: Path, wanted: Wanted) -> Source:
     if path.exists():
         refuse("PLY files", frames=wanted.frames, maps=wanted.maps)
     splats = path / SPLATS if path.is_dir() else path
-    if wanted.meshes is not None or (splats.suffix == ".ply" and splats.is_file() and is_bound(splats)):
+    if wanted.meshes is not None or (splats.suffix.lower() == ".ply" and splats.is_file() and is_bound(splats)):
         return open_bound(splats, wanted.meshes, scale)
+    first = ply_files(path)[0]
+    if is_bound(first):
+        raise ForeignFormatError(first, "its splats ride on a mesh (GaussianAvatars)", "give this file by itself")
     return open_sequence(path, scale)

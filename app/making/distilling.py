@@ -1,6 +1,8 @@
 """``gemheads distill``: a capture, a run, or somebody else's avatar becomes an avatar of our own."""
 
+import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +10,11 @@ import numpy as np
 from ...models.captures.layout import CaptureError
 from ...models.gem import MODALITIES, Gem
 from ...models.gemfile import GemFormatError, save_gem
+from ...models.gemheader import MAX_HEADER_BYTES
 from ...models.importers.adopt import TooLargeError, adopt
 from ...models.importers.foreign import ForeignFormatError
 from ...models.wholefile import file_sha256
-from ..errors import ExitCode, InputError, OutputError, UsageError, cannot_write
+from ..errors import ExitCode, InputError, OutputError, UsageError, cannot_write, no_way_to
 from ..files.places import check_avatar_name, check_places
 from ..performing.performance import Pose
 from ..progress import ProgressBar
@@ -20,12 +23,15 @@ from .moments import save_moments
 
 ORIGIN = ("author", "licence", "consent")
 """What only the person at the keyboard knows, and the file keeps."""
+MOST_TEXT = MAX_HEADER_BYTES // 2
+"""Bytes of it in a file's header; the other half is for what else it says."""
 
 
 def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
     """Read, distil, save, and say what came of it. Raises CommandError."""
     check_avatar_name(out)
     about = {key: wanted.about[key] for key in ORIGIN if wanted.about.get(key, "").strip()}
+    _check_texts(wanted.name or out.stem, about)
     with ProgressBar() as bar:
         for key in ORIGIN[1:]:
             if key not in about:
@@ -43,6 +49,8 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
         except ValueError as error:
             raise InputError(f"{place}: {error}; leave that frame out") from error
         except OSError as error:  # frames wait on the disk
+            if said := no_way_to(error):
+                raise InputError(said) from error
             where = tempfile.gettempdir()
             raise OutputError(
                 f"{where}: no room for the frames ({error.strerror}); free some space, or set TMPDIR to a larger place"
@@ -61,6 +69,13 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
         print(f"{modality:9}{_kept(distilled.variance_kept[modality], wanted.components)}")
     print(f"{out}: {len(gem)} splats from {distilled.frames} frames, {out.stat().st_size / 1e6:.2f} MB")
     return ExitCode.OK
+
+
+def _check_texts(name: str, about: Mapping[str, str]) -> None:
+    """Raises UsageError for more than a file's header keeps: it is written as JSON in JSON."""
+    length = len(json.dumps(json.dumps([name, about])))
+    if length > MOST_TEXT:
+        raise UsageError(f"--name, --author, --licence, --consent: {length} bytes, {MOST_TEXT} are kept; shorten them")
 
 
 def _save_moments(gem: Gem, avatar: Path, opened: Opened, out: Path) -> None:

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from ...models import arkit
 from ...models.driver.answer import Express, by_scores
 from ...models.driver.regressor import Regressor, RegressorError
-from ...models.gem import Gem
+from ...models.gem import CLAMP_SIGMAS, Gem
 from ...models.gemfile import GemFormatError, load_gem
 from ...models.wholefile import file_sha256
-from ..errors import InputError, UsageError
+from ..errors import InputError, UsageError, brief
 from .tracks import Track
 
+BEYOND = 10.0
+"""A track whose coefficients go so many times as far as the avatar's is none of its."""
 Driving = Literal["learned", "baseline"]
 
 
@@ -58,8 +60,12 @@ def check_track(avatar: Avatar, track: Track, path: Path) -> None:
     width = track.poses[0].coefficients.size
     if track.avatar_sha256 != avatar.sha256 or width != avatar.gem.coefficient_count:
         raise InputError(
-            f"{path}: was made for {track.avatar}, not for {avatar.path}; give that avatar, or track again"
+            f"{path}: was made for {brief(track.avatar)}, not for {avatar.path}; give that avatar, or track again"
         )
+    gem = avatar.gem
+    reach = BEYOND * np.maximum(CLAMP_SIGMAS * gem.sigma, np.abs(gem.rest_coefficients))
+    if any((np.abs(pose.coefficients) > reach).any() for pose in track.poses):
+        raise InputError(f"{path}: asks for coefficients far beyond 3 sigma, which no track has; track again")
 
 
 def expression_of(avatar: Avatar, driving: Driving) -> Express:

@@ -13,6 +13,8 @@ FIELD_OF_VIEW_DEG = 18.0
 """Vertical: a long lens, which leaves noses their size."""
 NARROWEST = 0.8
 """Pictures narrower than this part of their height show a smaller head instead of cutting its sides off."""
+MOST_PITCH_DEG = 89.0
+"""Right above a head no side of the picture is up."""
 
 
 def portrait(viewing: Viewing, width: int, height: int, yaw_deg: float = 0.0, pitch_deg: float = 0.0) -> Camera:
@@ -22,4 +24,5 @@ def portrait(viewing: Viewing, width: int, height: int, yaw_deg: float = 0.0, pi
     distance = picture_height / 2 / tan(radians(FIELD_OF_VIEW_DEG) / 2)
     x, y, z = viewing.target
     target = (x, y - (0.5 - HEAD_MIDDLE) * picture_height, z)
+    pitch_deg = min(MOST_PITCH_DEG, max(-MOST_PITCH_DEG, pitch_deg))
     return orbit(target, distance, yaw_deg, pitch_deg, FIELD_OF_VIEW_DEG, width, height)

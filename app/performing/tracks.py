@@ -19,6 +19,8 @@ from .presence import Phase
 FORMAT = "gemheads-track"
 VERSION = 3
 """Version 1 knows no ``translation``: there the head is where it rests; 1 and 2 do not say where a scene begins."""
+MAX_TURN = 7.0
+"""Radians about each axis: once around."""
 MAX_TRANSLATION_M = 100.0
 """A head farther from its place than this is a mistake in somebody's units."""
 MAX_BYTES = 2**30
@@ -126,6 +128,8 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
     translation = np.asarray(tensors.get("translation", np.zeros((frames, 3))), np.float32)
     if (np.abs(translation) > MAX_TRANSLATION_M).any():
         raise ValueError(f"tensor translation moves the head by more than {MAX_TRANSLATION_M:g} m")
+    if (np.abs(tensors["turn"].astype(np.float64)) > MAX_TURN).any():
+        raise ValueError(f"tensor turn turns the head by more than {MAX_TURN:g} radians")
     pts = tensors["pts"].astype(np.int64)
     # compared, not subtracted: a difference of such numbers may wrap around
     if frames == 0 or (pts[1:] <= pts[:-1]).any() or np.abs(pts.astype(np.float64)).max() > MAX_PTS:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...render.gaussians import RawGaussians
 from ..distill import Distilled, distill
-from ..gem import CHANNELS, MAX_COMPONENTS, MAX_SPLATS, Gem
+from ..gem import CHANNELS, CLAMP_SIGMAS, MAX_COMPONENTS, MAX_SPLATS, Basis, Gem
 from ..gemlayout import MAX_EXPANDED_BYTES
 from ..heads.atlas import lay_out
 from .source import Source
@@ -63,11 +63,22 @@ def adopt(
         about=dict(about or {}),
     )
     rest = gem.project(source.rest)
+    gem = replace(gem, bases=_reaching(gem, rest))
     if source.performance is None:
         return replace(gem, rest=rest), distilled
     change = np.stack([gem.project(frame) - rest for frame in _told(source, "answer", progress)])
     arkit = _least_squares(source.performance, change)
     return replace(gem, rest=rest, arkit_weights=arkit), distilled
+
+
+def _reaching(gem: Gem, rest: NDArray[np.float32]) -> dict[str, Basis]:
+    """The bases, their sigma so large that the expression at rest is within three of them: coefficients are clamped
+    there, and a rest that was seen in few of many frames lies farther out."""
+    bases = {}
+    for name, basis in gem.bases.items():
+        needed = np.abs(rest[gem.slices[name]]) / np.float32(0.999 * CLAMP_SIGMAS)
+        bases[name] = Basis(basis.rows, np.maximum(basis.sigma, needed))
+    return bases
 
 
 def _told(source: Source, stage: str, progress: Progress) -> Iterator[RawGaussians]:

@@ -49,7 +49,13 @@ class Glb:
         return entry
 
     def array(
-        self, index: object, what: str, kind: str, types: Mapping[int, np.dtype[Any]], count: int | None = None
+        self,
+        index: object,
+        what: str,
+        kind: str,
+        types: Mapping[int, np.dtype[Any]],
+        count: int | None = None,
+        most: int | None = None,
     ) -> NDArray[Any]:
         """The numbers of an accessor, [count] or [count, 3].
 
@@ -58,7 +64,8 @@ class Glb:
             what: its name in messages.
             kind: the glTF type it must have, "SCALAR" or "VEC3".
             types: the component types it may have.
-            count: how many elements it must have; None takes any number that lies in the buffer whole.
+            count: how many elements it must have; None takes any number that lies in the buffer whole ...
+            most: ... up to so many.
 
         Raises:
             ForeignFormatError: for anything else, and where a number is not finite.
@@ -70,6 +77,8 @@ class Glb:
         claimed = accessor.get("count")
         if not _whole(claimed, len(self.buffer) if count is None else count) or claimed != (count or claimed):
             raise self.wrong(f"its {what} count {_short(claimed)} instead of {count or 'what the file holds'}")
+        if most is not None and claimed > most:
+            raise self.wrong(f"it has {claimed} {what}, {most} are read")
         if "bufferView" in accessor:
             values = self._view(accessor, what, dtype, claimed, _WIDTH[kind])
         elif count is None:

@@ -19,6 +19,7 @@ from ..gem import Viewing
 from .floaters import neighbours
 from .foreign import ForeignFormatError
 from .glb import FLOAT, INDEX, Glb, read_glb
+from .meshes import MAX_TRIANGLES
 from .neck import CHIN, PIVOT, bending
 from .source import Source
 from .splatply import MAX_COORDINATE, read_splats
@@ -101,15 +102,13 @@ def load_lam(folder: Path) -> LamAvatar:
     """
     mesh, splats = read_glb(folder / MESH), read_splats(folder / SPLATS, plain_colours=True)
     primitive = _primitive(mesh)
-    vertices = mesh.array(primitive["attributes"].get("POSITION"), "vertices", "VEC3", FLOAT)
+    vertices = mesh.array(primitive["attributes"].get("POSITION"), "vertices", "VEC3", FLOAT, most=MAX_VERTICES)
     count = len(vertices)
-    if count > MAX_VERTICES:
-        raise mesh.wrong(f"it has {count} vertices, {MAX_VERTICES} are read")
     if len(splats) != count:
         raise ForeignFormatError(
             folder, f"{SPLATS} has {len(splats)} splats for {count} vertices", "take both files from one avatar"
         )
-    triangles = mesh.array(primitive.get("indices"), "triangles", "SCALAR", INDEX)
+    triangles = mesh.array(primitive.get("indices"), "corners of triangles", "SCALAR", INDEX, most=3 * MAX_TRIANGLES)
     if len(triangles) % 3 or (triangles >= count).any():
         raise mesh.wrong("its triangles point beyond its vertices, or one is not whole")
     names, shapes = _shapes(mesh, primitive, count)

@@ -10,6 +10,7 @@ from ...render.gaussians import RawGaussians
 from ..gem import Viewing
 from .foreign import ForeignFormatError
 from .neck import CHIN
+from .splatply import LOG_SCALE_LIMITS
 
 HEAD_HEIGHT = 0.25
 """Chin to crown, hair included, metres; what the splats themselves do not tell."""
@@ -24,7 +25,7 @@ def scaled(raw: RawGaussians, scale: float) -> RawGaussians:
     """Splats in other units: ``scale`` metres are one of theirs."""
     if scale == 1:
         return raw
-    log_scales = raw.log_scales + np.float32(np.log(scale))
+    log_scales = np.clip(raw.log_scales + np.float32(np.log(scale)), *LOG_SCALE_LIMITS)
     return replace(raw, positions=raw.positions * np.float32(scale), log_scales=log_scales)
 
 

@@ -23,9 +23,14 @@ def ply_files(place: Path) -> list[Path]:
     """
     if place.is_file():
         return [place]
-    folder, pattern = (place, "*.ply") if place.is_dir() else (place.parent, place.name)
-    found = sorted(folder.glob(pattern), key=by_number) if folder.is_dir() else []
-    found = [path for path in found if path.suffix == ".ply" and path.is_file() and not path.name.startswith(".")]
+    folder, pattern = (place, "*") if place.is_dir() else (place.parent, place.name)
+    try:
+        found = sorted(folder.glob(pattern), key=by_number) if folder.is_dir() else []
+    except ValueError as error:
+        raise ForeignFormatError(place, f"is no pattern ({error})", "write one such as 'head_*.ply'") from error
+    found = [
+        path for path in found if path.suffix.lower() == ".ply" and path.is_file() and not path.name.startswith(".")
+    ]
     if not found:
         raise ForeignFormatError(place, "there is no PLY file", "give a folder of PLY files, or a pattern in quotes")
     if len(found) > MAX_FRAMES:

@@ -68,6 +68,19 @@ def test_a_strict_reader_sees_the_splats_that_are_drawn(tiny: Path, tmp_path: Pa
     np.testing.assert_allclose(turned_alike, 1, atol=1e-5)
 
 
+def test_a_track_that_goes_beyond_all_bounds_is_refused(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rest = load_gem(tiny).rest_coefficients
+    for coefficients, said in ((rest + 3e30, "far beyond 3 sigma"), (rest, "turns the head by more")):
+        pose = Pose(coefficients, np.full(3, 0 if coefficients is not rest else 9, np.float32))
+        track = Track("tiny", file_sha256(tiny), Fraction(1, 30), Fraction(30), np.array([0]), (pose,))
+        save_track(track, tmp_path / "t")
+        words = ["export", str(tiny), "--track", str(tmp_path / "t"), "-o", str(tmp_path / "ply")]
+        assert main(words) == ExitCode.INPUT
+        assert said in capsys.readouterr().err
+
+
 def test_a_track_of_another_avatar_is_refused_though_its_coefficients_are_as_many(
     tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -101,6 +101,13 @@ def test_trees(lam: Any, tmp_path: Path, edit: Edit, said: str) -> None:
     refused(lambda: load_lam(folder), said)
 
 
+def test_triangles_without_end(lam: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each takes hundreds of bytes of memory, and a few in the file."""
+    monkeypatch.setattr("gemheads.models.importers.lam.MAX_TRIANGLES", 5)
+    with pytest.raises(ForeignFormatError, match="corners of triangles, 15 are read"):
+        load_lam(lam.write(tmp_path / "lam"))
+
+
 def test_indices_beyond_the_vertices(lam: Any, tmp_path: Path) -> None:
     for accessor, what in ((1, "triangles point beyond"), (3, "points beyond its 144")):
         entry = lam.tree["accessors"][accessor]

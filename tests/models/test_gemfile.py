@@ -157,6 +157,11 @@ def test_a_basis_that_could_not_be_opened_is_not_saved(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_rest_beyond_all_bounds_is_not_saved(tiny_gem: Gem, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="moves splats by more"):
+        saved(replace(tiny_gem, rest=np.full(tiny_gem.coefficient_count, 1e6, np.float32)), tmp_path)
+
+
 def test_another_basis_type_is_refused(tiny_gem: Gem, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="not 'int4'"):
         saved(tiny_gem, tmp_path, "int4")

@@ -14,8 +14,8 @@ def connected(monkeypatch: pytest.MonkeyPatch) -> list[CameraChoice]:
     found = [CameraChoice("Built-in", 0), CameraChoice("Logi C920", 2)]
     monkeypatch.setattr(sources, "cameras", lambda: found)
 
-    def opened(choice: CameraChoice, size: tuple[int, int], rate: float) -> object:
-        return open_camera(choice, size, rate, lambda: found, lambda _: Device(blue))
+    def opened(choice: CameraChoice) -> object:
+        return open_camera(choice, connected=lambda: found, open_device=lambda _: Device(blue))
 
     monkeypatch.setattr(sources, "open_camera", opened)
     return found

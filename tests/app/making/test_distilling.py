@@ -89,6 +89,9 @@ def test_a_sequence_plays_its_own_frames(lam: Any, tmp_path: Path) -> None:
         (("nobody", "-o", "a.gem"), ExitCode.INPUT, "there is no PLY file; give a folder"),
         (("lam.zip", "-o", "a.gem"), ExitCode.USAGE, "unpack a .zip first"),
         ((".", "-o", "a.gem"), ExitCode.USAGE, "holds 2 avatars; give one"),
+        (("lam", "-o", "a.gem", "--author", "a" * 40_000), ExitCode.USAGE, "bytes, 32768 are kept; shorten them"),
+        (("n" * 300, "-o", "a.gem"), ExitCode.INPUT, "cannot be opened (File name too long)"),
+        (("steers.ply", "-o", "a.gem"), ExitCode.INPUT, "written as 'format  ]0;pwned  [2J 1.0'"),
         (("lam", "-o", "lam/skin.glb/a.gem"), ExitCode.OUTPUT, "cannot be written"),
     ],
 )
@@ -104,8 +107,10 @@ def test_what_cannot_be_done_is_one_line(
 ) -> None:
     lam.write(tmp_path / "second")
     (tmp_path / "plys").mkdir()
+    (tmp_path / "steers.ply").write_text("ply\nformat \x1b]0;pwned\x07\x1b[2J 1.0\nelement vertex 1\nend_header\n")
     monkeypatch.chdir(tmp_path)
-    found, error = refused(capsys, "distill", *words, "--frames", "150", *STATED)
+    frames = () if words[0] == "steers.ply" else ("--frames", "150")
+    found, error = refused(capsys, "distill", *words, *frames, *STATED)
     assert found == code
     assert said in error
     assert not (tmp_path / "a.gem").exists()

@@ -31,3 +31,9 @@ def test_yaw_turns_the_camera_about_the_head() -> None:
     centre = portrait(VIEWING, 512, 512, yaw_deg=30).center
     assert centre[0] > 0.1
     assert np.linalg.norm(centre - portrait(VIEWING, 512, 512).center) > 0.1
+
+
+@pytest.mark.parametrize("pitch", [90.0, -90.0])
+def test_from_right_above_a_side_is_still_up(pitch: float) -> None:
+    """Files may allow so much."""
+    assert np.isfinite(portrait(VIEWING, 64, 64, pitch_deg=pitch).world_to_camera).all()

@@ -12,6 +12,7 @@ from gemheads.models.importers.stillness import held_still, turned
 from gemheads.models.ply import save_ply_sequence
 from gemheads.models.posing import pose_head
 from gemheads.render.gaussians import RawGaussians
+from gemheads.render.projection import LOG_SCALE_MIN
 from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 from plyfile import PlyData, PlyElement
 
@@ -74,6 +75,28 @@ def test_centimetres_need_a_scale(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.ptp(source.rest.positions, axis=0), np.ptp(head().positions, axis=0), rtol=1e-4)
     np.testing.assert_allclose(source.rest.log_scales, head().log_scales, atol=1e-5)
     assert len(adopt(source, "Still", 5)[0].bases["position"]) == 0
+
+
+def test_flat_splats_in_millimetres_stay_to_be_seen(tmp_path: Path) -> None:
+    """Discs, as surfels are, have no thickness; scaled down they would be thinner than any engine draws."""
+    discs = head()
+    discs.positions[:] *= 1000
+    discs.log_scales[:] += np.log(np.float32(1000))
+    discs.log_scales[:, 2] = -23
+    save_ply_sequence([discs], tmp_path)
+    assert open_sequence(tmp_path, 0.001).rest.log_scales.min() >= LOG_SCALE_MIN
+
+
+def test_a_rest_that_is_rare_is_within_reach(tmp_path: Path) -> None:
+    """Coefficients are clamped to 3 sigma: of thirty frames the first alone is at rest."""
+    save_ply_sequence([head(), *(head(0.02) for _ in range(29))], tmp_path)
+    gem, _ = adopt(open_sequence(tmp_path), "Smiling", 5)
+    np.testing.assert_allclose(gem.clamped(gem.rest_coefficients), gem.rest_coefficients)
+
+
+def test_a_pattern_that_is_none_is_told(tmp_path: Path) -> None:
+    with pytest.raises(ForeignFormatError, match="is no pattern"):
+        ply_files(tmp_path / "**m.ply")
 
 
 def test_frames_come_in_the_order_of_their_numbers(tmp_path: Path) -> None:
