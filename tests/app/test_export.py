@@ -11,6 +11,7 @@ from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models import arkit
 from gemheads.models.gemfile import load_gem
+from gemheads.models.wholefile import file_sha256
 from gemheads.render.gaussians import Gaussians, activate
 from plyfile import PlyData
 
