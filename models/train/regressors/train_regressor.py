@@ -39,7 +39,7 @@ CROWD = 120_000
 by heart: with 40,000 more steps followed the avatars better and people worse."""
 JUDGING = 2000
 """The same held out of training."""
-REHEARSALS = 4
+REHEARSALS = 5
 """So often the avatar acts before the tracker. First what the regressor answers that it has, if it has one: that was
 taught well already. Else what its response says would follow best, found by descent: there every error of the response
 shows, which a network that was taught with it hardly finds."""
