@@ -125,7 +125,10 @@ class Driving:
             return
         if order.name == "play":
             play = not transport.playing if value is None else bool(value)
-            transport.play() if play else transport.pause()
+            if play:
+                transport.play()
+            else:
+                transport.pause()
         elif order.name == "step" and isinstance(value, float | int):
             transport.step(round(value))
         elif order.name == "seek" and isinstance(value, float | int):
@@ -149,7 +152,10 @@ class Driving:
             self._capture.tune(tuning)
         self._meet(capture=self._capture)
         if state.resting != self._neutral.on:
-            self._neutral.begin() if state.resting else self._neutral.stop()
+            if state.resting:
+                self._neutral.begin()
+            else:
+                self._neutral.stop()
         resting = self._neutral.advance(shot, self.health, avatar, now)
         if resting is not None:
             self._capture.rest(resting.choice)

@@ -27,7 +27,7 @@ LONGEST = 2.0
 
 
 class Mesh(Protocol):
-    """What texels need to know of a template (``models.captures.reader.Template``)."""
+    """What texels need to know of a template (``models.captures.layout.Template``)."""
 
     @property
     def vertices(self) -> NDArray[np.floating]:

@@ -11,7 +11,7 @@ LIMIT_HINT = "The avatar was not made to be seen from further round."
 
 
 def stage(view: DeskView, ask: Ask) -> None:
-    """Right column: how the avatar is looked at."""
+    """Left column: how the avatar is looked at."""
     state = view.state
     rule(view)
     heading("Stage")
@@ -55,4 +55,4 @@ def outputs(view: DeskView, ask: Ask) -> None:
         faint(f"No badge: {state.no_badge}")
     for line in view.outputs:
         words = f"{line.name}: {line.status}" + (f", {line.drops} skipped" if line.drops else "")
-        text(words, theme.ALARM) if line.failed else faint(words)
+        text(words, theme.ALARM if line.failed else theme.FAINT)
