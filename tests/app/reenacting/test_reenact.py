@@ -39,7 +39,7 @@ def write_track(path: Path, tiny: Path, frames: int) -> Path:
     """A track of the avatar at rest with the times of ``clip``, whose head turns and moves more and more."""
     gem = load_gem(tiny)
     poses = tuple(
-        Pose(gem.rest_coefficients, np.float32([0, 0.3 * i, 0]), translation=np.float32([0.02 * i, 0, 0]))
+        Pose(gem.rest_coefficients, np.float32([0, min(0.3 * i, 6), 0]), translation=np.float32([0.02 * i, 0, 0]))
         for i in range(frames)
     )
     pts = np.cumsum([2002, *[1001, 1500, 500, 1001] * 25])[:frames]
