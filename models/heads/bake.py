@@ -12,12 +12,13 @@ from ..distill import distill
 from ..gem import Gem, Viewing
 from .atlas import lay_out
 from .compose import compose
-from .head import HAIR, SKIN, TEETH, TONGUE, Head, build_head
+from .head import Head, build_head
 from .ingredients import Ingredients
 from .people import Person
 from .performance import perform
 from .refine import refined, views_of
 from .shading import Shader, make_shader
+from .soup import HAIR, SKIN, TEETH, TONGUE
 from .splats import Rider, posed
 from .teeth import opacity_logit
 

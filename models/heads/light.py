@@ -5,8 +5,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from .head import HAIR, LASHES, SKIN, TEETH, TONGUE, Head
+from .head import Head
 from .mesh import vertex_normals
+from .soup import HAIR, LASHES, SKIN, TEETH, TONGUE
 
 Floats = NDArray[np.floating]
 

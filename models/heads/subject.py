@@ -14,13 +14,14 @@ from ..wholefile import write_whole
 from .bake import PIVOT, neck_weights, viewing_of
 from .creases import creases
 from .haircap import capped
-from .head import HAIR, LASHES, SKIN, Head, build_head
+from .head import Head, build_head
 from .ingredients import Ingredients
 from .maps import encoded, linear, load_map
 from .noise import value_noise
 from .people import Person
 from .shading import Shader, hair_texture, make_shader
 from .skin import points_of
+from .soup import HAIR, LASHES, SKIN
 from .strands import LASH_END
 from .unwrap import Unwrapped, unwrap
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .head import EYES, SKIN, TEETH, TONGUE, Head
+from .head import Head
+from .soup import EYES, SKIN, TEETH, TONGUE
 
 Floats = NDArray[np.floating]
 Box = tuple[float, float, float, float]
