@@ -37,12 +37,12 @@ def read_checked(folder: Path, name: str) -> bytes:
     except OSError as error:
         raise NetworkError(
             f"cannot read the face network {path}: {error.strerror}. Reinstall gemheads, or rebuild the networks with"
-            " `python -m gemheads.models.driver.convert`."
+            " `python -m gemheads.models.driver.build.convert`."
         ) from error
     if hashlib.sha256(content).hexdigest() != SHA256[name]:
         raise NetworkError(
             f"{path} ({len(content)} bytes) is not the face network this version was made with: its hash differs."
-            " Reinstall gemheads, or rebuild the networks with `python -m gemheads.models.driver.convert`."
+            " Reinstall gemheads, or rebuild the networks with `python -m gemheads.models.driver.build.convert`."
         )
     return content
 
