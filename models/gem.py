@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..render.gaussians import RawGaussians
 from ..render.rotations import sign_aligned
+from .arkit import NAMES
 from .blend import blend, blend_columns, correlate, gather, moving_columns
 
 MODALITIES = ("position", "rotation", "scale", "opacity")
@@ -159,7 +160,7 @@ class Gem:
         count = len(self.colors)
         wanted = {"colors": (count, 3), "neck_weights": (count,), "neck_pivot": (3,), "uv_index": (count, 2)}
         if self.arkit_weights is not None:
-            wanted["arkit_weights"] = (52, self.coefficient_count)
+            wanted["arkit_weights"] = (len(NAMES), self.coefficient_count)
         if self.rest is not None:
             wanted["rest"] = (self.coefficient_count,)
         for name, shape in wanted.items():

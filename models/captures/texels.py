@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...render.gaussians import RawGaussians
 from ...render.rotations import matrix_from_wxyz, sign_aligned, wxyz_from_matrix
-from .deformation import RestMesh, guarded, orthonormal
+from .deformation import RestMesh, across, guarded, orthonormal
 from .uvraster import cover
 
 Floats = NDArray[np.floating]
@@ -137,7 +137,7 @@ class Texels:
         """[N, 3, 3] at rest; columns along growing u, across it, outwards."""
         normals = self.spread(self._rest.normals)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        fallback = _across(normals)
+        fallback = np.stack([*across(normals), normals], -1)
         along = self._steps[0] - (self._steps[0] * normals).sum(1, keepdims=True) * normals
         return orthonormal(along, np.cross(normals, along), fallback)
 
@@ -197,11 +197,3 @@ def texels_of(template: Mesh, size: int) -> Texels:
     barycentric = places.reshape(-1, 3)[index].astype(np.float64)
     barycentric /= barycentric.sum(1, keepdims=True)
     return Texels(template, size, triangle, barycentric, index, np.asarray(template.parts, np.int64)[triangle])
-
-
-def _across(normals: Floats) -> Floats:
-    """[N, 3, 3] any frames with these normals [N, 3] as their third columns."""
-    helper = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 1.0, 0]])
-    first = np.cross(helper, normals)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normals, first), normals], -1)

@@ -7,6 +7,8 @@ import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
+from ..brevity import brief
+
 FOLDER = Path(__file__).resolve().parents[2] / "assets" / "networks"
 """Where the networks ship."""
 DETECTOR_FILE = "face_detector.onnx"
@@ -62,8 +64,7 @@ def open_session(model: bytes, what: str) -> ort.InferenceSession:
     try:
         return ort.InferenceSession(model, options, providers=list(PROVIDERS))
     except Exception as error:  # onnxruntime raises a dozen unrelated classes
-        said = " ".join(str(error).split())[:300]
-        raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {said}") from error
+        raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {brief(error, 300)}") from error
 
 
 class Network:

@@ -23,16 +23,13 @@ from .shading import Shader, hair_texture, make_shader
 from .skin import points_of
 from .soup import HAIR, LASHES, SKIN
 from .strands import LASH_END
+from .subjectfile import DELTA_M, SHEEN_RANGE
 from .unwrap import Unwrapped, unwrap
 
 Floats = NDArray[np.floating]
 
 MAP_SIZE = 1024
-DELTA_M = 1e-5
-"""Metres of one unit of the stored shapes."""
 VERTEX_M = 1e-6
-SHEEN_RANGE = 2.0
-"""What 255 means in the map of sheen."""
 JPEG_QUALITY = 90
 PART_NAMES = ("skin", "eyes", "teeth", "tongue")
 
