@@ -245,15 +245,15 @@ class Gem:
         ]
         return np.concatenate(parts).astype(np.float32)
 
-    def swept(self, modality: str, component: int, steps: int, sigmas: float = CLAMP_SIGMAS) -> NDArray[np.float32]:
-        """Coefficients [steps, coefficients] from -``sigmas`` to +``sigmas`` along one component, all else at rest."""
+    def swept(self, modality: str, component: int, steps: int) -> NDArray[np.float32]:
+        """Coefficients [steps, coefficients] along one component, from clamp to clamp, all else at rest."""
         index = self.slices[modality].start + component
         if not 0 <= component < len(self.bases[modality]):
             raise ValueError(
                 f"'{self.name}' has {len(self.bases[modality])} {modality} components, not {component + 1}"
             )
         rows = np.tile(self.rest_coefficients, (steps, 1))
-        rows[:, index] = np.linspace(-sigmas, sigmas, steps) * self.sigma[index]
+        rows[:, index] = np.linspace(-CLAMP_SIGMAS, CLAMP_SIGMAS, steps) * self.sigma[index]
         return rows
 
     def truncated(self, components: int) -> "Gem":

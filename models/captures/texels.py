@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,17 +55,6 @@ class Mesh(Protocol):
         ...
 
 
-class Carried(NamedTuple):
-    """Where a moved mesh takes its texels."""
-
-    positions: NDArray[np.float32]
-    """[N, 3] metres."""
-    gradients: NDArray[np.float32]
-    """[N, 3, 3] deformation gradients: what a small step at rest becomes; stretches are bounded."""
-    normals: NDArray[np.float32]
-    """[N, 3] unit."""
-
-
 @dataclass(frozen=True)
 class Texels:
     """N covered texels of a template, row by row."""
@@ -88,14 +77,6 @@ class Texels:
     def spread(self, values: Floats) -> NDArray[np.float64]:
         """Values [V, ...] of vertices at the texels [N, ...]."""
         return np.einsum("nc,nc...->n...", self.barycentric, np.asarray(values, np.float64)[self._corners])
-
-    def carry(self, vertices: Floats) -> Carried:
-        """The texels on moved vertices [V, 3] of the template."""
-        gradients, turns = self.moved(vertices)
-        normals = (turns @ self.frames)[..., 2]
-        return Carried(
-            self.spread(vertices).astype(np.float32), gradients.astype(np.float32), normals.astype(np.float32)
-        )
 
     def splats(self, colors: Floats) -> RawGaussians:
         """The canonical splats: flat, along the surface, so large that they close it. ``colors`` [N, 3] RGB in [0, 1].
