@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..render.gaussians import RawGaussians
 from ..render.rotations import sign_aligned
+from .arkit import NAMES
 from .blend import blend, blend_columns, correlate, gather, moving_columns
 
 MODALITIES = ("position", "rotation", "scale", "opacity")
@@ -161,7 +162,7 @@ class Gem:
         count = len(self.colors)
         wanted = {"colors": (count, 3), "neck_weights": (count,), "neck_pivot": (3,), "uv_index": (count, 2)}
         if self.arkit_weights is not None:
-            wanted["arkit_weights"] = (52, self.coefficient_count)
+            wanted["arkit_weights"] = (len(NAMES), self.coefficient_count)
         if self.rest is not None:
             wanted["rest"] = (self.coefficient_count,)
         for name, shape in wanted.items():
@@ -251,15 +252,15 @@ class Gem:
         ]
         return np.concatenate(parts).astype(np.float32)
 
-    def swept(self, modality: str, component: int, steps: int, sigmas: float = CLAMP_SIGMAS) -> NDArray[np.float32]:
-        """Coefficients [steps, coefficients] from -``sigmas`` to +``sigmas`` along one component, all else at rest."""
+    def swept(self, modality: str, component: int, steps: int) -> NDArray[np.float32]:
+        """Coefficients [steps, coefficients] along one component, from clamp to clamp, all else at rest."""
         index = self.slices[modality].start + component
         if not 0 <= component < len(self.bases[modality]):
             raise ValueError(
                 f"'{self.name}' has {len(self.bases[modality])} {modality} components, not {component + 1}"
             )
         rows = np.tile(self.rest_coefficients, (steps, 1))
-        rows[:, index] = np.linspace(-sigmas, sigmas, steps) * self.sigma[index]
+        rows[:, index] = np.linspace(-CLAMP_SIGMAS, CLAMP_SIGMAS, steps) * self.sigma[index]
         return rows
 
     def truncated(self, components: int) -> "Gem":

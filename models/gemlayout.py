@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .gem import CHANNELS, MAX_COMPONENTS, MAX_SPLATS, MODALITIES
+from .arkit import NAMES
+from .gem import CHANNELS, CLAMP_SIGMAS, MAX_COMPONENTS, MAX_SPLATS, MODALITIES
 from .gemcard import BASIS_TYPES, Card
 from .gemheader import DTYPES, GemFormatError, Header
 
 MAX_EXPANDED_BYTES = 2 * 2**30
 """Means and components as float32 in memory: 1 M splats with 45 components, 240k with 200."""
 MAX_REGRESSOR_BYTES = 32 * 2**20
+"""A larger one is refused unread: three networks of three layers of 256 need 1.1 MB."""
 MAX_VALUE = 1e4
 """No mean, and no component at three sigma, is larger than this in metres, logarithms or logits."""
 MAX_COEFFICIENT = 1e6
@@ -88,7 +90,7 @@ def check_motion(modality: str, values: NDArray[Any], scale: NDArray[np.float32]
     """Raises GemFormatError where a component carries a splat beyond all bounds within three sigma."""
     flat = values.reshape(len(values), values.shape[1] * values.shape[2])
     largest = np.maximum(flat.max(1, initial=0).astype(np.float64), -flat.min(1, initial=0).astype(np.float64))
-    if (3 * largest * scale * sigma > MAX_VALUE).any():
+    if (CLAMP_SIGMAS * largest * scale * sigma > MAX_VALUE).any():
         raise GemFormatError(f"the {modality} basis moves splats by more than {MAX_VALUE:g}")
 
 
@@ -106,7 +108,7 @@ def _wanted(layout: Layout, card: Card) -> dict[str, tuple[np.dtype[Any], tuple[
         "neck_weights": ("F16", (count,)),
         "neck_pivot": ("F32", (3,)),
         "uv_index": ("U16", (count, 2)),
-        "arkit_weights": ("F32", (52, total)),
+        "arkit_weights": ("F32", (len(NAMES), total)),
         "rest": ("F32", (total,)),
         "regressor": ("U8", ()),
     }

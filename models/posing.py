@@ -6,6 +6,9 @@ from numpy.typing import NDArray
 
 from ..render.gaussians import RawGaussians
 
+NECK_PIVOT = (0.0, -0.075, -0.02)
+"""The point a head nods and turns about where it has none of its own, metres, canonical space."""
+
 Floats = NDArray[np.float32]
 
 

@@ -97,6 +97,14 @@ def orthonormal(first: Floats, second: Floats, otherwise: Floats) -> NDArray[np.
     return np.where(flat[..., None, None], otherwise, frames)
 
 
+def across(normals: Floats) -> tuple[Floats, Floats]:
+    """Two unit directions across each unit normal [N, 3], square to each other."""
+    helper = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 1.0, 0]])
+    first = np.cross(helper, normals)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(normals, first)
+
+
 def vertex_normals(vertices: Floats, triangles: NDArray[np.integer]) -> NDArray[np.float64]:
     """[V, 3] unit normals of a mesh by area; +z where a vertex has no triangle."""
     a, b, c = (np.asarray(vertices, np.float64)[triangles[:, corner]] for corner in range(3))

@@ -29,7 +29,7 @@ def estimated(vertices: Floats, template: Floats, neck_weights: Floats, pivot: F
     weights = share
     turn, move = np.eye(3), np.zeros(3)
     for _ in range(_ROUNDS):
-        turn, move = _rigid(source, target, weights)
+        turn, move = rigid(source, target, weights)
         off = np.linalg.norm(source @ turn.T + move - target, axis=1)
         middle = float(np.median(off[share > 0.5])) if (share > 0.5).any() else float(np.median(off))
         weights = share / (1 + (off / max(middle, _FLOOR_M)) ** 2)
@@ -47,7 +47,7 @@ def _turned(offsets: Floats, shares: Floats, rotation: Floats) -> Floats:
     return offsets * cos + np.cross(axis, offsets) * sin + axis * (offsets @ axis)[:, None] * (1 - cos)
 
 
-def _rigid(source: Floats, target: Floats, weights: Floats) -> tuple[Floats, Floats]:
+def rigid(source: Floats, target: Floats, weights: Floats) -> tuple[Floats, Floats]:
     """Rotation and translation with the least weighted squared distance (Kabsch)."""
     share = weights / max(float(weights.sum()), 1e-12)
     here, there = share @ source, share @ target

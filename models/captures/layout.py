@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.camera import Camera
+from ..brevity import brief
 
 SPLITS = ("train", "val", "test")
 """train: what is learned from; val: the same moments from a camera held out; test: expressions held out."""
@@ -15,16 +16,13 @@ TEMPLATE = "template.npz"
 IMAGES, MASKS, MESHES, TRUTH = "images", "fg_masks", "meshes", "truth"
 UNITS = "m"
 WHITE = (1.0, 1.0, 1.0)
-NECK_PIVOT = (0.0, -0.075, -0.02)
-"""Where a head without a pivot of its own is taken to turn, metres in canonical space."""
 
 
 class CaptureError(Exception):
     """A capture that cannot be learned from: what is wrong, in which file, and the cure."""
 
     def __init__(self, where: Path, what: str, cure: str) -> None:
-        said = " ".join(what.split())  # hostile files put themselves into messages
-        super().__init__(f"{where}: {said if len(said) <= 300 else said[:297] + '...'}; {cure}")
+        super().__init__(f"{where}: {brief(what, 300)}; {cure}")
         self.where, self.what, self.cure = where, what, cure
 
     def __reduce__(self) -> tuple[type["CaptureError"], tuple[Path, str, str]]:

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arkit import NAMES
+from ..posing import NECK_PIVOT
 from .arrays import floats, indices, load_arrays
 from .headmotion import estimated, unposed
-from .layout import NECK_PIVOT, CaptureError, Template, Tracked
+from .layout import CaptureError, Template, Tracked
 
 _HEAD_METRES = (0.05, 1.5)
 """A template smaller or larger than this is not in metres."""
@@ -88,7 +90,7 @@ def read_tracked(path: Path, template: Template, measure: bool = True) -> Tracke
     )
     if (rotation is None) != (translation is None):
         raise CaptureError(path, "has only one of rotation and translation", "give both, or neither")
-    arkit = floats(path, "arkit", arrays["arkit"], (52,)) if "arkit" in arrays else None
+    arkit = floats(path, "arkit", arrays["arkit"], (len(NAMES),)) if "arkit" in arrays else None
     weights, pivot = template.neck_weights, template.neck_pivot
     if rotation is None or translation is None:
         zero = np.zeros(3, np.float32)

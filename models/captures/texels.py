@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...render.gaussians import RawGaussians
 from ...render.rotations import matrix_from_wxyz, sign_aligned, wxyz_from_matrix
-from .deformation import RestMesh, guarded, orthonormal
+from .deformation import RestMesh, across, guarded, orthonormal
 from .uvraster import cover
 
 Floats = NDArray[np.floating]
@@ -55,17 +55,6 @@ class Mesh(Protocol):
         ...
 
 
-class Carried(NamedTuple):
-    """Where a moved mesh takes its texels."""
-
-    positions: NDArray[np.float32]
-    """[N, 3] metres."""
-    gradients: NDArray[np.float32]
-    """[N, 3, 3] deformation gradients: what a small step at rest becomes; stretches are bounded."""
-    normals: NDArray[np.float32]
-    """[N, 3] unit."""
-
-
 @dataclass(frozen=True)
 class Texels:
     """N covered texels of a template, row by row."""
@@ -88,14 +77,6 @@ class Texels:
     def spread(self, values: Floats) -> NDArray[np.float64]:
         """Values [V, ...] of vertices at the texels [N, ...]."""
         return np.einsum("nc,nc...->n...", self.barycentric, np.asarray(values, np.float64)[self._corners])
-
-    def carry(self, vertices: Floats) -> Carried:
-        """The texels on moved vertices [V, 3] of the template."""
-        gradients, turns = self.moved(vertices)
-        normals = (turns @ self.frames)[..., 2]
-        return Carried(
-            self.spread(vertices).astype(np.float32), gradients.astype(np.float32), normals.astype(np.float32)
-        )
 
     def splats(self, colors: Floats) -> RawGaussians:
         """The canonical splats: flat, along the surface, so large that they close it. ``colors`` [N, 3] RGB in [0, 1].
@@ -137,7 +118,7 @@ class Texels:
         """[N, 3, 3] at rest; columns along growing u, across it, outwards."""
         normals = self.spread(self._rest.normals)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        fallback = _across(normals)
+        fallback = np.stack([*across(normals), normals], -1)
         along = self._steps[0] - (self._steps[0] * normals).sum(1, keepdims=True) * normals
         return orthonormal(along, np.cross(normals, along), fallback)
 
@@ -197,11 +178,3 @@ def texels_of(template: Mesh, size: int) -> Texels:
     barycentric = places.reshape(-1, 3)[index].astype(np.float64)
     barycentric /= barycentric.sum(1, keepdims=True)
     return Texels(template, size, triangle, barycentric, index, np.asarray(template.parts, np.int64)[triangle])
-
-
-def _across(normals: Floats) -> Floats:
-    """[N, 3, 3] any frames with these normals [N, 3] as their third columns."""
-    helper = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 1.0, 0]])
-    first = np.cross(helper, normals)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normals, first), normals], -1)

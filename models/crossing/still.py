@@ -46,13 +46,12 @@ class Jitter:
     """After the filter of the live window."""
 
 
-def hold_still(clip: Clip, frames: Iterable[tuple[Image, float]], seed: int = 0) -> Still:
-    """Takes the picture of the clip's neutral again and again with fresh noise, and tracks it.
+def hold_still(clip: Clip, frames: Iterable[tuple[Image, float]]) -> Still:
+    """Takes the picture of the clip's neutral again and again with fresh noise, of one seed, and tracks it.
 
     Args:
         clip: whose neutral.
         frames: the same pictures and times that the clip was tracked from.
-        seed: of the noise.
 
     Raises UnseenDriver where the neutral's picture is not among the frames, or shows no face any more.
     """
@@ -71,7 +70,7 @@ def hold_still(clip: Clip, frames: Iterable[tuple[Image, float]], seed: int = 0)
         min(height, int(bottom + room)),
     )
     inside = slice(max(0, int(top)), int(bottom)), slice(max(0, int(left)), int(right))
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     readings: list[Reading] = []
     changes: list[float] = []
     before: NDArray[np.float32] | None = None

@@ -7,6 +7,8 @@ import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
+from ..brevity import brief
+
 FOLDER = Path(__file__).resolve().parents[2] / "assets" / "networks"
 """Where the networks ship."""
 DETECTOR_FILE = "face_detector.onnx"
@@ -37,12 +39,12 @@ def read_checked(folder: Path, name: str) -> bytes:
     except OSError as error:
         raise NetworkError(
             f"cannot read the face network {path}: {error.strerror}. Reinstall gemheads, or rebuild the networks with"
-            " `python -m gemheads.models.driver.convert`."
+            " `python -m gemheads.models.driver.build.convert`."
         ) from error
     if hashlib.sha256(content).hexdigest() != SHA256[name]:
         raise NetworkError(
             f"{path} ({len(content)} bytes) is not the face network this version was made with: its hash differs."
-            " Reinstall gemheads, or rebuild the networks with `python -m gemheads.models.driver.convert`."
+            " Reinstall gemheads, or rebuild the networks with `python -m gemheads.models.driver.build.convert`."
         )
     return content
 
@@ -62,8 +64,7 @@ def open_session(model: bytes, what: str) -> ort.InferenceSession:
     try:
         return ort.InferenceSession(model, options, providers=list(PROVIDERS))
     except Exception as error:  # onnxruntime raises a dozen unrelated classes
-        said = " ".join(str(error).split())[:300]
-        raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {said}") from error
+        raise NetworkError(f"onnxruntime {ort.__version__} cannot open {what}: {brief(error, 300)}") from error
 
 
 class Network:

@@ -25,7 +25,7 @@ ROW_BY_ROW = frozenset("Add Div Identity Max Min Mul Neg Pow Relu Sigmoid Softpl
 _WITH_CONSTANTS = frozenset("Clip Slice".split())
 _PRODUCTS = frozenset("MatMul Gemm".split())
 OPERATORS = ROW_BY_ROW | _WITH_CONSTANTS | _PRODUCTS | {"Concat", "Cast"}
-"""All operators that a graph may have."""
+"""All operators that a graph may have: arithmetic on rows that ends, no loops, no branches."""
 _GRAPH_NODE, _GRAPH_INITIALIZER, _GRAPH_INPUT = 1, 5, 11
 _NODE_INPUT, _NODE_OUTPUT, _NODE_NAME, _NODE_TYPE, _NODE_ATTRIBUTE = 1, 2, 3, 4, 5
 _ATTRIBUTE_NAME, _ATTRIBUTE_INT = 1, 3

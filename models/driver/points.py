@@ -1,5 +1,7 @@
 """Which of MediaPipe's 478 landmarks is what. Left and right are the person's own."""
 
+from ..arkit import NAMES
+
 RIGHT_EYE_OUTER, RIGHT_EYE_INNER = 33, 133
 LEFT_EYE_INNER, LEFT_EYE_OUTER = 362, 263
 RIGHT_IRIS, LEFT_IRIS = 468, 473
@@ -32,15 +34,7 @@ NET_INPUT = (
 )
 """The 146 landmarks that the score network reads, in its order."""
 
-SCORES: tuple[str, ...] = tuple(
-    """_neutral browDownLeft browDownRight browInnerUp browOuterUpLeft browOuterUpRight cheekPuff cheekSquintLeft
-    cheekSquintRight eyeBlinkLeft eyeBlinkRight eyeLookDownLeft eyeLookDownRight eyeLookInLeft eyeLookInRight
-    eyeLookOutLeft eyeLookOutRight eyeLookUpLeft eyeLookUpRight eyeSquintLeft eyeSquintRight eyeWideLeft eyeWideRight
-    jawForward jawLeft jawOpen jawRight mouthClose mouthDimpleLeft mouthDimpleRight mouthFrownLeft mouthFrownRight
-    mouthFunnel mouthLeft mouthLowerDownLeft mouthLowerDownRight mouthPressLeft mouthPressRight mouthPucker mouthRight
-    mouthRollLower mouthRollUpper mouthShrugLower mouthShrugUpper mouthSmileLeft mouthSmileRight mouthStretchLeft
-    mouthStretchRight mouthUpperUpLeft mouthUpperUpRight noseSneerLeft noseSneerRight""".split()
-)
+SCORES: tuple[str, ...] = ("_neutral", *(name for name in NAMES if name != "tongueOut"))
 """The outputs of the score network, in its order: ARKit's names without tongueOut."""
 DEAD_SCORES = frozenset(
     "_neutral cheekPuff cheekSquintLeft cheekSquintRight jawForward noseSneerLeft noseSneerRight".split()

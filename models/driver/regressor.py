@@ -3,7 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..brevity import brief
 from ..gem import Gem
+from ..gemlayout import MAX_REGRESSOR_BYTES
 from .answer import Answer
 from .features import DIMENSION, FEATURE_VERSION
 from .networks import NetworkError, open_session
@@ -19,8 +21,6 @@ MOST_OFF = 0.35
 """Radians; a head turns no further than this from what was read on the driver, whatever its graph says."""
 VERSION_KEY = "feature_version"
 """Key of the graph's metadata under which training writes FEATURE_VERSION."""
-MAX_BYTES = 32 * 2**20
-"""A larger graph is refused unread: three networks of three layers of 256 need 1.1 MB."""
 
 
 class RegressorError(ValueError):
@@ -41,8 +41,9 @@ class Regressor:
         Raises:
             RegressorError: saying what is wrong with it.
         """
-        if len(graph) > MAX_BYTES:
-            raise RegressorError(f"a regressor of {len(graph) / 2**20:.0f} MB is refused: the limit is 32 MB")
+        if len(graph) > MAX_REGRESSOR_BYTES:
+            size, limit = len(graph) / 2**20, MAX_REGRESSOR_BYTES / 2**20
+            raise RegressorError(f"a regressor of {size:.0f} MB is refused: the limit is {limit:.0f} MB")
         try:
             check_graph(graph, DIMENSION)
             self._session = open_session(graph, "the avatar's regressor")
@@ -52,7 +53,7 @@ class Regressor:
         wanted = {FEATURES_INPUT: ([1, DIMENSION], "tensor(float)"), ROTATION_INPUT: ([1, 3], "tensor(float)")}
         if inputs != wanted:
             raise RegressorError(
-                f"the avatar's regressor takes {_briefly(inputs)}, this version gives {wanted}: train it again"
+                f"the avatar's regressor takes {brief(inputs)}, this version gives {wanted}: train it again"
                 " (gemheads train-regressor)"
             )
         made_for = self._session.get_modelmeta().custom_metadata_map.get(VERSION_KEY, str(FEATURE_VERSION))
@@ -68,7 +69,7 @@ class Regressor:
         others = {name: value for name, value in outputs.items() if name != OUTPUT}
         if kind != "tensor(float)" or not fixed or others not in ({}, {TURN_OUTPUT: ([1, 3], "tensor(float)")}):
             raise RegressorError(
-                f"the avatar's regressor gives {_briefly(outputs)} instead of one {OUTPUT} [1, n], and perhaps"
+                f"the avatar's regressor gives {brief(outputs)} instead of one {OUTPUT} [1, n], and perhaps"
                 f" {TURN_OUTPUT} [1, 3]"
             )
         self._nodding = nodding
@@ -125,9 +126,3 @@ class Regressor:
         else:
             turn = rotation if self._nodding is None else self._nodding.taken_off(rotation, coefficients)
         return Answer.seen_as(coefficients, rotation, turn)
-
-
-def _briefly(values: object) -> str:
-    """On one line of at most 200 characters: a graph may call its values by the text of a book."""
-    line = " ".join(str(values).split())
-    return line if len(line) <= 200 else f"{line[:197]}..."

@@ -10,14 +10,16 @@ from ...render.gaussians import RawGaussians
 from ..arkit import NAMES
 from ..distill import distill
 from ..gem import Gem, Viewing
+from ..posing import NECK_PIVOT
 from .atlas import lay_out
 from .compose import compose
-from .head import HAIR, SKIN, TEETH, TONGUE, Head, build_head
+from .head import Head, build_head
 from .ingredients import Ingredients
 from .people import Person
 from .performance import perform
 from .refine import refined, views_of
 from .shading import Shader, make_shader
+from .soup import HAIR, SKIN, TEETH, TONGUE
 from .splats import Rider, posed
 from .teeth import opacity_logit
 
@@ -27,8 +29,7 @@ UV_SIZE = 160
 MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])
 EAR_CENTER, EAR_SIZE = np.array([0.080, -0.010, -0.078]), np.array([0.020, 0.045, 0.035])
 """Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
-PIVOT = np.array([0.0, -0.075, -0.02], np.float32)
-"""The point a head nods and turns about, metres, canonical space."""
+PIVOT = np.array(NECK_PIVOT, np.float32)
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from ...render.camera import Camera
 from ..captures.meshview import see
-from .head import SKIN, Head
+from .head import Head
 from .ingredients import Ingredients
 from .maps import load_map, sample_map, strokes
 from .mesh import load_base
 from .people import Person
 from .proxies import load_proxy
+from .soup import SKIN
 
 Floats = NDArray[np.floating]
 

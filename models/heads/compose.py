@@ -8,13 +8,14 @@ from ...render.camera import orbit
 from ..captures.meshview import see
 from .collar import collar_height, neckline
 from .expressions import weights_of
-from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
+from .head import Head
 from .ingredients import Ingredients
 from .maps import sample_map
 from .neckband import neckband_rider
 from .sampling import scatter
 from .shading import Shader
 from .skin import points_of
+from .soup import EYES, HAIR, SKIN, TEETH, TONGUE
 from .splats import Rider, joined, ride
 from .strands import brow_rider, glint_rider, hair_rider, lash_rider
 

@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .head import EYES, SKIN, Head
+from .head import Head
 from .light import irradiance, part_of_vertex
 from .performance import gaze
+from .soup import EYES, SKIN
 
 Floats = NDArray[np.floating]
 

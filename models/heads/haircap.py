@@ -8,8 +8,9 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
-from .head import HAIR, SKIN, Head
+from .head import Head
 from .mesh import vertex_normals
+from .soup import HAIR, SKIN
 
 Floats = NDArray[np.floating]
 Indices = NDArray[np.int64]

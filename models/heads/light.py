@@ -5,8 +5,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from .head import HAIR, LASHES, SKIN, TEETH, TONGUE, Head
+from .head import Head
 from .mesh import vertex_normals
+from .soup import HAIR, LASHES, SKIN, TEETH, TONGUE
 
 Floats = NDArray[np.floating]
 
@@ -24,6 +25,8 @@ KEY = np.array(LAMPS[0][0]) / np.linalg.norm(LAMPS[0][0])
 BOUNCE = np.array([0.34, 0.23, 0.19])
 """What a blocked direction still sends: light from other skin."""
 THROUGH_HAIR = 0.35
+RAYS_ACROSS = 12
+"""From each point go so many rays squared."""
 TEETH_LIGHT = (0.95, 1.25)
 """Bounds of the irradiance on teeth: how it falls off inside the mouth is painted (see teeth.paint_teeth)."""
 SPREAD_M = (0.0042, 0.0019, 0.0012)
@@ -43,8 +46,6 @@ def irradiance(
     head: Head,
     vertices: Floats,
     cards: NDArray[np.bool_],
-    rays: int = 144,
-    seed: int = 1,
     of: NDArray[np.int64] | None = None,
 ) -> Floats:
     """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin and mouth, dimmed by hair ``cards`` [F].
@@ -66,15 +67,14 @@ def irradiance(
     center = np.array([0, 0.03, 0.0])
     flip = shell & (((points - center) * normals).sum(1) < 0)
     outward[flip] *= -1
-    rng = np.random.default_rng(seed)
-    count = int(np.sqrt(rays))
-    u, v = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
+    rng = np.random.default_rng(1)
+    u, v = np.meshgrid(np.arange(RAYS_ACROSS), np.arange(RAYS_ACROSS), indexing="ij")
     total = np.zeros((len(points), 3))
     tangent, bitangent = _tangents(outward)
     origin = points + outward * 4e-4
     for i, j in zip(u.ravel(), v.ravel(), strict=True):
-        r = (i + rng.random(len(points))) / count
-        angle = 2 * np.pi * (j + rng.random(len(points))) / count
+        r = (i + rng.random(len(points))) / RAYS_ACROSS
+        angle = 2 * np.pi * (j + rng.random(len(points))) / RAYS_ACROSS
         ring = np.sqrt(r)
         direction = (
             (ring * np.cos(angle))[:, None] * tangent
@@ -88,7 +88,7 @@ def irradiance(
         light[behind_hair & shell] *= 0.75
         light[solid.run(start, toward, query="OCCLUDED") >= 0] = BOUNCE
         total += light
-    return total / count**2
+    return total / RAYS_ACROSS**2
 
 
 def part_of_vertex(head: Head) -> NDArray[np.uint8]:

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .collar import collar_height, level_line
-from .head import SKIN
 from .shading import EXPOSURE, Shader, cloth, tone
 from .skin import points_of
+from .soup import SKIN
 from .splats import Rider, joined, ride
 
 Floats = NDArray[np.floating]

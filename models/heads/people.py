@@ -74,7 +74,7 @@ class Person:
     rest: dict[str, float] = field(default_factory=dict)
     """ARKit weights that belong to the neutral face: a relaxed, friendly look."""
     gain: dict[str, float] = field(default_factory=dict)
-    """Factors on this face's ARKit shapes, over those of ``head.GAIN``."""
+    """Factors on this face's ARKit shapes, over those of ``units.GAIN``."""
 
 
 def _both(path: str, weight: float) -> dict[str, float]:

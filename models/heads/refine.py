@@ -14,9 +14,9 @@ from ...render.projection import ALPHA_MAX, ALPHA_MIN, DILATION
 from ...render.rotations import matrix_from_wxyz
 from ..captures.meshview import see
 from .expressions import weights_of
-from .head import EYES, SKIN, TEETH, TONGUE
 from .performance import gaze
 from .shading import Shader
+from .soup import EYES, SKIN, TEETH, TONGUE
 from .splats import Rider, posed
 
 Floats = NDArray[np.floating]

@@ -13,7 +13,7 @@ from .brows import BrowMap, paint_brows
 from .collar import collar_height
 from .expressions import weights_of
 from .eyelight import light_eyes
-from .head import EYES, HAIR, SKIN, TEETH, TONGUE, Head
+from .head import Head
 from .ingredients import Ingredients
 from .light import KEY, bake, part_of_vertex
 from .maps import encoded, linear, load_map, sample_map
@@ -21,6 +21,7 @@ from .noise import value_noise
 from .people import Person
 from .sides import Sides, around_eyes, sides_of
 from .skin import SkinMaps, albedo, load_skin_maps, mouth_shade, points_of
+from .soup import EYES, HAIR, SKIN, TEETH, TONGUE
 from .teeth import paint_teeth
 
 Floats = NDArray[np.floating]

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .brows import BrowMap, root_brows
-from .head import GLINTS, HAIR, LASHES, Head
+from .head import Head
 from .ingredients import Ingredients
 from .light import KEY
 from .maps import linear, load_map, sample_map, strokes
@@ -13,6 +13,7 @@ from .people import Person
 from .sampling import scatter
 from .shading import EXPOSURE, hair_texture, tone
 from .skin import points_of
+from .soup import GLINTS, HAIR, LASHES
 from .splats import Rider, ride
 
 Floats = NDArray[np.floating]

@@ -14,24 +14,22 @@ from ..wholefile import write_whole
 from .bake import PIVOT, neck_weights, viewing_of
 from .creases import creases
 from .haircap import capped
-from .head import HAIR, LASHES, SKIN, Head, build_head
+from .head import Head, build_head
 from .ingredients import Ingredients
 from .maps import encoded, linear, load_map
 from .noise import value_noise
 from .people import Person
 from .shading import Shader, hair_texture, make_shader
 from .skin import points_of
+from .soup import HAIR, LASHES, SKIN
 from .strands import LASH_END
+from .subjectfile import DELTA_M, SHEEN_RANGE
 from .unwrap import Unwrapped, unwrap
 
 Floats = NDArray[np.floating]
 
 MAP_SIZE = 1024
-DELTA_M = 1e-5
-"""Metres of one unit of the stored shapes."""
 VERTEX_M = 1e-6
-SHEEN_RANGE = 2.0
-"""What 255 means in the map of sheen."""
 JPEG_QUALITY = 90
 PART_NAMES = ("skin", "eyes", "teeth", "tongue")
 

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .head import EYES, SKIN, TEETH, TONGUE, Head
+from .head import Head
+from .soup import EYES, SKIN, TEETH, TONGUE
+from .subjectfile import EYES_PART_U
 
 Floats = NDArray[np.floating]
 Box = tuple[float, float, float, float]
@@ -17,7 +19,10 @@ ISLANDS: dict[str, tuple[Box, Box]] = {
     "mouth": ((0.755, 0.005, 0.930, 0.140), (0.344, 0.004, 0.544, 0.138)),
 }
 """What is on none of them, the sockets behind the eyes, is never seen and left out."""
-EYE_BOXES: tuple[Box, Box] = ((0.482, 0.146, 0.612, 0.276), (0.344, 0.146, 0.474, 0.276))
+EYE_BOXES: tuple[Box, Box] = (
+    (EYES_PART_U + 0.004, 0.146, 0.612, 0.276),
+    (0.344, 0.146, EYES_PART_U - 0.004, 0.276),
+)
 """The person's left eye, then the right: side by side as they are seen."""
 TEETH_BOX: Box = (0.620, 0.146, 0.996, 0.276)
 TONGUE_BOX: Box = (0.552, 0.004, 0.682, 0.138)

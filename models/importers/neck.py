@@ -3,10 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..posing import NECK_PIVOT
+
 Floats = NDArray[np.floating]
 
-PIVOT = np.array([0.0, -0.075, -0.02], np.float32)
-"""The point a head nods and turns about, metres, canonical space: importers move their heads so that it lies here."""
+PIVOT = np.array(NECK_PIVOT, np.float32)
+"""Importers move their heads so that their pivot lies here, metres, canonical space."""
 CHIN = -0.115
 """Height of the chin, metres, canonical space."""
 _FREE, _BEND = -0.065, 0.085

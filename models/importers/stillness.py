@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ...render.gaussians import RawGaussians
 from ...render.rotations import wxyz_from_matrix
+from ..captures.headmotion import rigid
 
 Floats = NDArray[np.floating]
 
@@ -27,7 +28,7 @@ def held_still(frame: RawGaussians, first: RawGaussians) -> RawGaussians:
     weights = solid
     turn, move = np.eye(3), np.zeros(3)
     for _ in range(_ROUNDS):
-        turn, move = _rigid(source, target, weights)
+        turn, move = rigid(source, target, weights)
         off = np.linalg.norm(source @ turn.T + move - target, axis=1)
         weights = solid / (1 + (off / max(float(np.median(off)), _FLOOR)) ** 2)
     positions = (frame.positions @ turn.T + move).astype(np.float32)
@@ -39,12 +40,3 @@ def turned(wxyz: Floats, rotation: Floats) -> NDArray[np.float32]:
     w, x, y, z = wxyz_from_matrix(rotation)
     left = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
     return (wxyz @ left.T).astype(np.float32)
-
-
-def _rigid(source: Floats, target: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Rotation and translation with the least weighted squared distance (Kabsch)."""
-    share = weights / max(float(weights.sum()), 1e-12)
-    here, there = share @ source, share @ target
-    u, _, vt = np.linalg.svd((source - here).T @ ((target - there) * share[:, None]))
-    turn = vt.T @ np.diag([1, 1, np.sign(np.linalg.det(vt.T @ u.T))]) @ u.T
-    return turn, there - turn @ here

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.rotations import matrix_from_wxyz, wxyz_from_matrix
+from ..captures.deformation import across
 
 Floats = NDArray[np.floating]
 
@@ -38,7 +39,8 @@ def surface_of(vertices: Floats, triangles: NDArray[np.int64], shapes: Floats) -
     around = np.zeros(vertices.shape)
     for corner in range(3):
         np.add.at(around, triangles[:, corner], normals)
-    first, second = _across(around)
+    length = np.linalg.norm(around, axis=1, keepdims=True)
+    first, second = across(np.where(length > 0, around / np.where(length > 0, length, 1), [0, 0, 1]))
     area = np.linalg.norm(normals, axis=1) / 2
     # a direction's coordinates along the two edges, by the pseudoinverse of [edge edge]
     gram = np.einsum("tix,tjx->tij", edges, edges)
@@ -118,13 +120,3 @@ def _edges(vertices: Floats, triangles: NDArray[np.int64]) -> Floats:
     """[T, 2, 3]."""
     a, b, c = (vertices[triangles[:, corner]] for corner in range(3))
     return np.stack([b - a, c - a], 1).astype(np.float64)
-
-
-def _across(normals: Floats) -> tuple[Floats, Floats]:
-    """Two unit directions across each normal [N, 3], square to each other."""
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.where(length > 0, normals / np.where(length > 0, length, 1), [0, 0, 1])
-    helper = np.where(np.abs(normals[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 1.0, 0]])
-    first = np.cross(helper, normals)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return first, np.cross(normals, first)

@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 
 PIXELS_PER_DEGREE = 67.0
 """A 0.7 m wide 4K screen seen from 0.7 m, the published default."""
-_SEEN = {"ppd": PIXELS_PER_DEGREE}
 
 
 def flip_map(image: NDArray[np.floating], target: NDArray[np.floating]) -> NDArray[np.float32] | None:

@@ -52,7 +52,7 @@ class Painter:
             depth,
             clear,
         )
-        albedo, detail = self._maps[self._level(moment, camera)]
+        albedo, detail = self._maps[self._level(camera)]
         image = np.empty((height, width, 4), np.float32)
         shade(
             seen,
@@ -84,7 +84,7 @@ class Painter:
         small = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
         return np.asarray(small, np.float32)
 
-    def _level(self, moment: Moment, camera: Camera) -> int:
+    def _level(self, camera: Camera) -> int:
         """Which of the smaller maps has about as many texels across the face as the picture has samples."""
         face = np.asarray(self.stage.subject.viewing.target)
         distance = float(np.linalg.norm(camera.center - face))

@@ -19,6 +19,8 @@ LAMPS = (
 ROOM = (0.29, 0.30, 0.32)
 """Radiance of everything else."""
 ROOM_SAMPLES = 28
+SEED = 3
+"""Of the turn in which a lamp's samples are laid out."""
 BOUNCE = (0.24, 0.15, 0.12)
 """What a blocked direction still sends: light from other skin."""
 BULBS = (((-0.40, 0.34, 0.85), 1.0), ((0.45, -0.06, 0.89), 0.4))
@@ -43,9 +45,9 @@ class Lighting:
     """[2, 4] unit direction, strength: what eyes mirror sharply."""
 
 
-def studio_light(seed: int = 3) -> Lighting:
-    """The light of the studio; the same seed gives the same samples."""
-    rng = np.random.default_rng(seed)
+def studio_light() -> Lighting:
+    """The light of the studio, the same samples each time."""
+    rng = np.random.default_rng(SEED)
     toward, radiance, bounced, lamp, lobes = [], [], [], [], []
     for index, (direction, color, width, count) in enumerate(LAMPS):
         axis = np.array(direction) / np.linalg.norm(direction)

@@ -125,10 +125,10 @@ class Stage:
             folds=folded(self._rest, vertices, subject.template.triangles, self._neighbours),
             slopes=slopes,
             strands=self._strands(slopes),
-            eyes=self._eyes(act, vertices),
+            eyes=self._eyes(act),
         )
 
-    def _eyes(self, act: Act, vertices: Floats) -> NDArray[np.float32]:
+    def _eyes(self, act: Act) -> NDArray[np.float32]:
         puppet, pivot = self.subject.puppet, self.subject.template.neck_pivot
         rows = []
         for side in (0, 1):

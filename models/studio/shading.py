@@ -3,6 +3,7 @@
 import numba
 import numpy as np
 
+from ..heads.subjectfile import EYES_PART_U
 from .raster import sampled
 
 EXPOSURE = 0.95
@@ -157,7 +158,7 @@ def shade(
                         lit[k] *= bent + (1 - bent) * (0.25 if k == 0 else 0.0)
                 elif part == EYES:
                     f0, sheen, alpha, second = EYE_F0, 1.0, EYE_ROUGH, EYE_ROUGH
-                    side = 0 if u > 0.478 else 1  # as heads/unwrap.py lays them out
+                    side = 0 if u > EYES_PART_U else 1
                     ox, oy, oz = px - eyes[side, 0], py - eyes[side, 1], pz - eyes[side, 2]
                     length = 1 / max(np.sqrt(ox * ox + oy * oy + oz * oz), 1e-9)
                     off = (ox * eyes[side, 3] + oy * eyes[side, 4] + oz * eyes[side, 5]) * length

@@ -12,14 +12,11 @@ from numpy.typing import NDArray
 from ..captures.layout import Template
 from ..gem import Viewing
 from ..heads.puppet import Puppet
+from ..heads.subjectfile import DELTA_M, SHEEN_RANGE
 
 Floats = NDArray[np.floating]
 
 FOLDER = Path(__file__).parents[2] / "assets" / "subjects"
-DELTA_M = 1e-5
-"""Metres of one unit of the stored shapes."""
-SHEEN_RANGE = 2.0
-"""What 255 means in the map of sheen."""
 
 
 class SubjectError(Exception):

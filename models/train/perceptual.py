@@ -44,6 +44,8 @@ def _blocks(widths: Sequence[tuple[int, int]]) -> tuple[Layer, ...]:
 
 TINY = "tiny"
 """A network of two small layers with random weights, for trials and tests: it needs no file."""
+LEVELS = 3
+"""Compared layers of the loss: half of VGG16's cost, and they hold what pixels of a face differ by."""
 NETWORKS: Mapping[str, tuple[Layer, ...]] = {
     "vgg": _blocks([(64, 2), (128, 2), (256, 3), (512, 3), (512, 3)]),
     "alex": (
@@ -105,22 +107,20 @@ class Perceptual:
                     break
         return found
 
-    def feature_loss(self, image: Tensor, target: Tensor, levels: int = 3) -> Tensor:
+    def feature_loss(self, image: Tensor, target: Tensor) -> Tensor:
         """Equation 2's VGG term: the mean difference of features over their mean size in ``target``, averaged over the
-        first ``levels`` compared layers; 0 for the same picture, about 1 for unrelated ones.
+        first LEVELS compared layers; 0 for the same picture, about 1 for unrelated ones.
 
-        Over their size, because features grow by layers of magnitude from block to block. Three levels are half of
-        VGG16's cost and hold what pixels of a face differ by. ``target`` gets no gradient.
+        Over their size, because features grow by layers of magnitude from block to block. ``target`` gets no gradient.
 
         Args:
             image, target: [B, 3, H, W] in [0, 1]; a part of a picture does, and is cheaper.
-            levels: how many of the compared layers.
         """
         with torch.no_grad():
-            wanted = self.features(target, levels)
+            wanted = self.features(target, LEVELS)
         terms = [
             (got - want).abs().mean() / want.mean().clamp_min(1e-6)
-            for got, want in zip(self.features(image, levels), wanted, strict=True)
+            for got, want in zip(self.features(image, LEVELS), wanted, strict=True)
         ]
         return torch.stack(terms).mean()
 

@@ -10,6 +10,8 @@ SLOPE = 0.2
 """Of the leaky rectifier."""
 WIDEST = 256
 """Channels that no level exceeds."""
+STYLE = 64
+"""Length of the style vector."""
 
 
 class StyleUNet(nn.Module):
@@ -23,14 +25,13 @@ class StyleUNet(nn.Module):
     The shares begin at zero, so an untrained network answers 0.
     """
 
-    def __init__(self, inputs: int, outputs: int, width: int, levels: int, style: int = 64) -> None:
+    def __init__(self, inputs: int, outputs: int, width: int, levels: int) -> None:
         """
         Args:
             inputs: channels that go in.
             outputs: channels that come out.
             width: channels at full resolution; each level below has twice as many.
             levels: how often maps are halved; their sides must be multiples of 2 ** levels.
-            style: length of the style vector.
         """
         super().__init__()
         widths = [min(width << level, WIDEST) for level in range(levels + 1)]
@@ -38,11 +39,11 @@ class StyleUNet(nn.Module):
         pairs = list(pairwise(widths))
         self.down = nn.ModuleList(nn.Conv2d(fine, coarse, 3, stride=2, padding=1) for fine, coarse in pairs)
         self.style = nn.Sequential(
-            nn.Linear(widths[-1], style), nn.LeakyReLU(SLOPE), nn.Linear(style, style), nn.LeakyReLU(SLOPE)
+            nn.Linear(widths[-1], STYLE), nn.LeakyReLU(SLOPE), nn.Linear(STYLE, STYLE), nn.LeakyReLU(SLOPE)
         )
-        self.bottom = StyledConv(widths[-1], widths[-1], style)
+        self.bottom = StyledConv(widths[-1], widths[-1], STYLE)
         self.narrow = nn.ModuleList(nn.Conv2d(coarse, fine, 1) for fine, coarse in reversed(pairs))
-        self.up = nn.ModuleList(StyledConv(fine, fine, style) for fine, _ in reversed(pairs))
+        self.up = nn.ModuleList(StyledConv(fine, fine, STYLE) for fine, _ in reversed(pairs))
         self.shares = nn.ModuleList(nn.Conv2d(channels, outputs, 1) for channels in reversed(widths))
         for parameter in self.shares.parameters():
             nn.init.zeros_(parameter)

@@ -48,22 +48,21 @@ def self_reenactment(
     gem: Gem,
     capture: Capture,
     neutral: Neutral,
-    split: str = "test",
     progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> SelfReenactment:
-    """Drives ``gem``, which has a regressor, with the frontal cameras of a split.
+    """Drives ``gem``, which has a regressor, with the frontal cameras of the test split.
 
-    Raises ValueError where the split shows no face, or the avatar has no regressor.
+    Raises ValueError where it shows no face, or the avatar has no regressor.
     """
     regressor = Regressor.of(gem)
     cameras = frontal_cameras(capture)
-    shots = [shot for shot in capture.shots(split) if shot.camera_index in cameras]
+    shots = [shot for shot in capture.shots("test") if shot.camera_index in cameras]
     front = next((c for c in cameras if any(shot.camera_index == c for shot in shots)), -1)
     judged = {shot.timestep for shot in spaced([shot for shot in shots if shot.camera_index == front], MOMENTS)}
     shots = [shot for shot in shots if shot.timestep in judged]
     seen = see(capture, shots, neutral, lambda done, total: progress("held out", done, total))
     if not len(seen):
-        raise ValueError(f"the tracker sees no face in the {split} pictures of {capture.folder}")
+        raise ValueError(f"the tracker sees no face in the test pictures of {capture.folder}")
     driven = [
         np.asarray(regressor(f, r).coefficients, np.float32) for f, r in zip(seen.features, seen.rotations, strict=True)
     ]

@@ -97,8 +97,6 @@ class Fit:
     coefficients: Floats
     """[coefficients] within +-3 sigma."""
     pose: HeadPose
-    energies: tuple[float, ...]
-    """The objective of L-BFGS after each stage: squared difference in units of NOISE, and the prior."""
     losses: tuple[float, ...]
     """L1 and SSIM before Adam and after each of its steps; empty where it takes none."""
     psnr: float
@@ -143,10 +141,9 @@ def fit(
     started = time.perf_counter()
     problem = _Problem(gem, views_of(pictures, cameras, background), prior, around)
     unknown = problem.whitened(start)
-    energies, memory = [], () if start is None else start.memory
+    memory = () if start is None else start.memory
     for stage in effort.stages:
-        energy, learned = _descend(problem, unknown, stage, memory)
-        energies.append(energy)
+        learned = _descend(problem, unknown, stage, memory)
         memory = memory if stage.pose_only else learned
     losses = _adam(problem, unknown, effort)
     coefficients, pose = problem.found(unknown)
@@ -157,7 +154,7 @@ def fit(
     wanted = torch.cat([view.picture.reshape(-1) for view in problem.views])
     quality = psnr(torch.cat([image.reshape(-1) for image in drawn]), wanted)
     images = tuple(image.numpy() for image in drawn)
-    return Fit(coefficients, pose, tuple(energies), losses, quality, images, time.perf_counter() - started, memory)
+    return Fit(coefficients, pose, losses, quality, images, time.perf_counter() - started, memory)
 
 
 class _Problem:
@@ -209,8 +206,8 @@ class _Problem:
         return self.prior * (unknown - self._expected).square().mean()
 
 
-def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -> tuple[float, Memory]:
-    """L-BFGS, in place; returns the energy reached and what was learned."""
+def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -> Memory:
+    """L-BFGS, in place; returns what was learned."""
     views = [view.shrunk(stage.side) for view in problem.views]
     first = problem.count if stage.pose_only else 0
     with torch.no_grad():
@@ -226,9 +223,9 @@ def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -
             total = total + difference.square().mean() / (NOISE**2 * len(views))
         return float(total.detach()), torch.autograd.grad(total, free)[0]
 
-    found, reached, learned = minimise(energy, unknown[first:], stage.evaluations, () if stage.pose_only else memory)
+    found, _, learned = minimise(energy, unknown[first:], stage.evaluations, () if stage.pose_only else memory)
     unknown[first:] = found
-    return reached, learned
+    return learned
 
 
 def _adam(problem: _Problem, unknown: Tensor, effort: Effort) -> tuple[float, ...]:

