@@ -5,6 +5,8 @@ import re
 from enum import IntEnum
 from pathlib import Path
 
+from ..models.brevity import brief
+
 NO_ROOM = (
     "a disk is full: make room on the disks of your results and of gemheads, or keep the kernels that it compiles"
     " elsewhere (NUMBA_CACHE_DIR=FOLDER)"
@@ -25,12 +27,6 @@ class ExitCode(IntEnum):
     ALTERED = 6
     UNSIGNED = 7
     INTERRUPTED = 130
-
-
-def brief(error: object) -> str:
-    """What an error says, on one line of at most 200 characters: hostile files put themselves into messages."""
-    line = " ".join(str(error).split())
-    return line if len(line) <= 200 else f"{line[:197]}..."
 
 
 def no_way_to(error: BaseException) -> str | None:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compaction import Compact, compact, expand
-from .gem import CHANNELS, MODALITIES, Basis, Gem
+from .gem import CHANNELS, CLAMP_SIGMAS, MODALITIES, Basis, Gem
 from .gemcard import BASIS_TYPES, KEY, Card, Seal, card_text, read_card
 from .gemheader import GemFormatError, Header, header_bytes, read_header
 from .gemlayout import BASIS_PARTS, Layout, check_layout, check_motion, check_values
@@ -166,12 +166,12 @@ def _gem(tensors: Tensors, layout: Layout, card: Card) -> Gem:
 
 
 def _reach(tensors: Tensors) -> dict[str, NDArray[np.float32]]:
-    """[K] of each modality: the third part of how far its coefficients go, driven or at rest."""
+    """[K] of each modality: how far its coefficients go, driven or at rest, in CLAMP_SIGMAS."""
     reach, start = {}, 0
     for name in MODALITIES:
         sigma = tensors[f"{name}.sigma"]
         rest = tensors["rest"][start : start + len(sigma)] if "rest" in tensors else np.zeros_like(sigma)
-        reach[name], start = np.maximum(sigma, np.abs(rest) / 3), start + len(sigma)
+        reach[name], start = np.maximum(sigma, np.abs(rest) / CLAMP_SIGMAS), start + len(sigma)
     return reach
 
 

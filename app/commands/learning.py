@@ -166,7 +166,13 @@ def evaluate(
         refuse("a capture alone", every=every, seconds=seconds)
     if everything:
         refuse("--all", shots=shots)
-    crossing = CrossingWish(tuple(drivers or ()), 3 if every is None else every, 30.0 if seconds is None else seconds)
-    counts, number = tuple(components or ()), None if everything else 24 if shots is None else shots
-    wish = EvaluateWish(tuple(against or ()), number, lpips, crossing, counts, jobs)
+    crossing = CrossingWish(
+        tuple(drivers or ()),
+        CrossingWish.every if every is None else every,
+        CrossingWish.seconds if seconds is None else seconds,
+    )
+    number = EvaluateWish.shots if shots is None else shots
+    wish = EvaluateWish(
+        tuple(against or ()), None if everything else number, lpips, crossing, tuple(components or ()), jobs
+    )
     return run_evaluating(avatar, capture, out, wish)

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from ...models.brevity import brief
 from ...render.engines import Engine
-from ..errors import brief
 from ..inputs.opening import plain_path
 from ..performing.casting import Avatar
 from ..performing.ladder import Quality
@@ -31,8 +31,6 @@ REPEAT_SECS = 0.25
 """Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
 so do sound and the safety of a recording."""
 TRANSPORT = ("play", "step", "seek")
-STILL_SECS = 0.5
-"""Without another shot for so long nothing moves, and there is time for a whole picture."""
 SAVING_SECS = 1.0
 """For so long pictures are drawn whole after one was asked for: the next one that comes is saved."""
 LADDER_OFF = "Quality stays as it is, however slow the machine."
@@ -74,7 +72,7 @@ class Session:
         self._toasts: list[tuple[float, Toast]] = []
         self._shown_at, self._lowered = 0.0, ""
         self._ended: dict[str, str] = {}
-        self._shot_at = self._whole_until = float("-inf")
+        self._whole_until = float("-inf")
         for complaint in keymap.conflicts:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
@@ -123,8 +121,6 @@ class Session:
         if not self.stage.free or (beside and self.stage.bound):
             return
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
-        if shot is not None:
-            self._shot_at = now
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
         every = REPEAT_SECS if self.outputs.fan.listening else float("inf")
@@ -206,8 +202,9 @@ class Session:
 
     def _quality(self, now: float) -> Quality:
         """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is."""
-        still = now - self._shot_at > STILL_SECS and not (self.state.exploring.on and self.state.exploring.sweep)
-        whole = still or now < self._whole_until
+        transport, exploring = self.driving.transport, self.state.exploring
+        still = self.state.frozen or (transport is not None and not transport.playing)
+        whole = (still and not (exploring.on and exploring.sweep)) or now < self._whole_until
         return Quality(self._components) if whole else self.gauges.quality(self._components)
 
     @property

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.brevity import brief
 from ...models.captures.heldout import HELD_OUT, judged_shots
 from ...models.captures.layout import Shot
 from ...models.captures.reader import Capture
 from ...models.captures.staging import Stage
-from ..errors import InputError, brief
+from ..errors import InputError
 from ..jobs import affordable_jobs
 from ..progress import ProgressBar
 from .entrants import Entrant

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ...models.brevity import brief
 from ...models.wholefile import open_ordinary
 from ...render.camera import Camera
-from ..errors import InputError, brief
+from ..errors import InputError
 
 _NUMBERS = ("fx", "fy", "cx", "cy")
 _SIZE = ("width", "height")

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models import arkit
+from ...models.brevity import brief
 from ...models.driver.answer import Express, by_scores
 from ...models.driver.regressor import Regressor, RegressorError
 from ...models.gem import CLAMP_SIGMAS, Gem
 from ...models.gemfile import GemFormatError, load_gem
 from ...models.wholefile import file_sha256
-from ..errors import InputError, UsageError, brief
+from ..errors import InputError, UsageError
 from .tracks import Track
 
 BEYOND = 10.0

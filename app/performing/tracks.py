@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.brevity import brief
 from ...models.wholefile import write_whole
-from ..errors import InputError, brief
+from ..errors import InputError
 from ..files.places import save_learned
 from ..files.tensorfile import read_json, read_ratio, read_tensor_file
 from .performance import Pose

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arkit import NAMES
+from ...models.brevity import brief
 from ...models.wholefile import open_ordinary, write_whole
-from ..errors import InputError, brief, cannot_write
+from ..errors import InputError, cannot_write
 from ..files.tensorfile import read_json, read_ratio, read_tensor_file
 
 FORMAT = "gemheads-weights"

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors.numpy import save
 
+from ...models.brevity import brief
 from ...models.driver.features import DIMENSION, FEATURE_VERSION
 from ...models.driver.networks import SHA256
 from ...models.driver.neutral import NeutralChoice
 from ...models.wholefile import write_whole
-from ..errors import InputError, OutputError, brief
+from ..errors import InputError, OutputError
 from ..files.tensorfile import Tensors, read_tensor_file
 from ..library import user_folder
 from .restface import Resting

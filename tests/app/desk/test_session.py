@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -289,7 +290,12 @@ def test_what_stands_still_and_what_is_saved_is_drawn_whole_however_slow_the_mac
     assert drawn() == 96
     session._whole_until = 0.0
     assert drawn() == 48
-    assert until(session, lambda: True).shape[0] == 96  # half a second without another shot
+    session.obey(Order("play", 0.0))
+    assert until(session, lambda: True).shape[0] == 96  # it stands still
+    session.obey(Order("play", 1.0))
+    assert drawn() == 48
+    room.capture.transport = SimpleNamespace(playing=False, loop=True)
+    assert drawn() == 96  # a video that is paused
 
 
 def test_a_neutral_is_not_taken_of_two_sources(room: Room) -> None:
