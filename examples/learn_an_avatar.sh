@@ -17,7 +17,7 @@ python=${PYTHON:-$(dirname "$gemheads")/python3}
 
 # How much of everything; smaller is faster, and worse.
 cameras=${CAMERAS:-10} size=${SIZE:-256x256} split=${SPLIT:-48+16} noise=${NOISE:-1}
-preset=${PRESET:-tiny} steps=${STEPS:-2500} components=${COMPONENTS:-30} iterations=${ITERATIONS:-2000}
+preset=${PRESET:-tiny} maps=${MAPS:-128} steps=${STEPS:-2500} components=${COMPONENTS:-30} iterations=${ITERATIONS:-2000}
 pictures=${PICTURES:-1500} lessons=${LESSONS:-3000} perceptual=${PERCEPTUAL:---perceptual} shots=${SHOTS:-24}
 network=${NETWORK:-vgg}
 
@@ -29,13 +29,13 @@ capture() {
 
 # 2. What the tracked mesh alone gives: the table compares with it.
 mesh() {
-    "$gemheads" distill "$capture" -o "$folder/mesh.gem" --components "$components" --moments "$folder/mesh.track"
+    "$gemheads" distill "$capture" -o "$folder/mesh.gem" --components "$components" --maps "$maps" --moments "$folder/mesh.track"
     "$gemheads" modes "$folder/mesh.gem" -o "$folder/2_mesh.png" --components 2
 }
 
 # 3. The CNN avatar: from the posed mesh to splats. It goes on where it was stopped.
 train() {
-    "$gemheads" train "$capture" -o "$folder/run" --preset "$preset" --steps "$steps" "$perceptual"
+    "$gemheads" train "$capture" -o "$folder/run" --preset "$preset" --maps "$maps" --steps "$steps" "$perceptual"
     cp "$(find "$folder/run/previews" -name '*.png' | sort | tail -n 1)" "$folder/3_train.png"
 }
 

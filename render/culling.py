@@ -13,21 +13,22 @@ def is_sane(position, wxyz, log_scales, logit, color):
     """Whether a raw splat is finite and within the limits of ``projection``. Comparisons with NaN are false, which
     refuses it; the kernels that use this must therefore not be compiled with ``nnan``."""
     length = wxyz[0] * wxyz[0] + wxyz[1] * wxyz[1] + wxyz[2] * wxyz[2] + wxyz[3] * wxyz[3]
+    # & and not `and`: without branches several splats are looked at in one instruction
     return (
-        abs(position[0]) <= POSITION_MAX
-        and abs(position[1]) <= POSITION_MAX
-        and abs(position[2]) <= POSITION_MAX
-        and log_scales[0] >= LOG_SCALE_MIN
-        and log_scales[1] >= LOG_SCALE_MIN
-        and log_scales[2] >= LOG_SCALE_MIN
-        and log_scales[0] <= LOG_SCALE_MAX
-        and log_scales[1] <= LOG_SCALE_MAX
-        and log_scales[2] <= LOG_SCALE_MAX
-        and length < _INF
-        and abs(logit) < _INF
-        and abs(color[0]) < _INF
-        and abs(color[1]) < _INF
-        and abs(color[2]) < _INF
+        (abs(position[0]) <= POSITION_MAX)
+        & (abs(position[1]) <= POSITION_MAX)
+        & (abs(position[2]) <= POSITION_MAX)
+        & (log_scales[0] >= LOG_SCALE_MIN)
+        & (log_scales[1] >= LOG_SCALE_MIN)
+        & (log_scales[2] >= LOG_SCALE_MIN)
+        & (log_scales[0] <= LOG_SCALE_MAX)
+        & (log_scales[1] <= LOG_SCALE_MAX)
+        & (log_scales[2] <= LOG_SCALE_MAX)
+        & (length < _INF)
+        & (abs(logit) < _INF)
+        & (abs(color[0]) < _INF)
+        & (abs(color[1]) < _INF)
+        & (abs(color[2]) < _INF)
     )
 
 
@@ -45,8 +46,6 @@ def view_depths(positions, wxyz, log_scales, logits, colors, row, depths):
     ``row`` is the third of world_to_camera; it and ``depths`` are float64. The arrays are those of RawGaussians.
     """
     for i in range(len(positions)):
-        depths[i] = 0
-        if is_sane(positions[i], wxyz[i], log_scales[i], logits[i], colors[i]):
-            depths[i] = view_depth(positions[i], row)
-            if depths[i] < NEAR:
-                depths[i] = 0
+        sane = is_sane(positions[i], wxyz[i], log_scales[i], logits[i], colors[i])
+        depth = view_depth(positions[i], row)
+        depths[i] = depth if sane & (depth >= NEAR) else 0.0

@@ -24,9 +24,8 @@ from ablating.lines import Ablation, Effort, Line
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.train.avatars.runs import open_run
 from gemheads.models.train.synthesis.fit import error_map
-from gemheads.models.wholefile import write_whole
+from results.pages import DOCS_HELP, put_table
 
-MARKS = "<!-- table -->", "<!-- end of table -->"
 HEADS = (
     *("", "to the run, moving", "to taken", "to taken, moving", "fitted", "fitted, moving"),
     *("coefficients", "numbers, M", "cut, %", "file, MB", "off orthonormal"),
@@ -47,7 +46,7 @@ def main() -> int:
     )
     parser.add_argument("--shots", type=int, default=Effort.shots, help="held-out pictures")
     parser.add_argument("--iterations", type=int, default=Effort.iterations, help="steps of refinement")
-    parser.add_argument("--docs", type=Path, help=f"a page in which what is between {' and '.join(MARKS)} is replaced")
+    parser.add_argument("--docs", type=Path, help=DOCS_HELP)
     parser.add_argument("--picture", type=Path, help="a sheet of the first held-out pictures, of the last table")
     options = parser.parse_args()
     capture = open_capture(options.capture)
@@ -64,9 +63,7 @@ def main() -> int:
             cv2.imwrite(str(options.picture), sheet(ablation, lines)[..., ::-1])
     text = "\n\n".join(tables)
     if options.docs:
-        page = options.docs.read_text()
-        before, after = page.split(MARKS[0])[0], page.split(MARKS[1])[1]
-        write_whole(options.docs, [f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}".encode()])
+        put_table(options.docs, text)
     return 0
 
 

@@ -12,10 +12,13 @@ cameras, never in the one that is judged.
 import argparse
 import json
 import platform
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import cv2
 import numpy as np
@@ -35,11 +38,11 @@ from gemheads.models.train.perceptual import Perceptual, WeightsMissing
 from gemheads.models.train.synthesis.fit import error_map
 from gemheads.render.gaussians import RawGaussians
 from numpy.typing import NDArray
+from results.pages import DOCS_HELP, put_table
 
 Floats = NDArray[np.float32]
 Pose = tuple[Floats, Floats]
 SPLITS = {"val": "held-out view", "test": "held-out expression"}
-MARKS = "<!-- table -->", "<!-- end of table -->"
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ def main() -> int:
     parser.add_argument("--network", choices=["vgg", "alex", "none"], default="vgg", help="LPIPS by which network")
     parser.add_argument("--json", type=Path)
     parser.add_argument("--picture", type=Path)
-    parser.add_argument("--docs", type=Path, help=f"a page in which what is between {' and '.join(MARKS)} is replaced")
+    parser.add_argument("--docs", type=Path, help=DOCS_HELP)
     options = parser.parse_args()
     capture = open_capture(options.capture)
     shots = judged_shots(capture, options.shots)
@@ -79,9 +82,7 @@ def main() -> int:
     if options.picture:
         cv2.imwrite(str(options.picture), np.concatenate([_titles(methods, rows[0]), *rows])[..., ::-1])
     if options.docs:
-        page = options.docs.read_text()
-        before, after = page.split(MARKS[0])[0], page.split(MARKS[1])[1]
-        options.docs.write_text(f"{before}{MARKS[0]}\n{text}\n{MARKS[1]}{after}")
+        put_table(options.docs, text)
     return 0
 
 

@@ -2,8 +2,8 @@
 
     python tests/bench/results.py REPORT... [--print]
 
-Reports stand in the order that is given. What docs/peers.md and docs/ablations.md hold (each says by which command) is
-taken over. The page itself begins with the commands that make all of it anew (SEQUENCE).
+Reports stand in the order that is given. What docs/peers.md, docs/gpu.md and docs/ablations.md hold (each says by which
+command) is taken over. The page itself begins with the commands that make all of it anew (SEQUENCE).
 """
 
 import argparse
@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "results.md"
 ELSEWHERE = {
     "peers.md": ("Beside other viewers", "python tests/bench/peers/compare.py --write"),
+    "gpu.md": ("On a GPU", "python tests/bench/gpu_speed.py mara --docs docs/gpu.md"),
     "ablations.md": ("Open choices", "python tests/bench/ablations.py CAPTURE RUN --docs docs/ablations.md"),
 }
 """Page in docs/ -> its heading here, and the command that prints it."""
@@ -32,6 +33,7 @@ gemheads evaluate learned/refined.gem learned/capture --shots 12 --components 5 
     --against learned/distilled.gem learned/maps64.gem learned/run learned/rigged learned/blendshapes
 gemheads evaluate mara --against theo jonah --drivers CLIP... -o build/results/strangers
 python tests/bench/peers/compare.py --write
+python tests/bench/gpu_speed.py mara --docs docs/gpu.md
 python tests/bench/ablations.py learned/capture learned/run --docs docs/ablations.md
 python tests/bench/results.py build/results/learned build/results/strangers"""
 HEAD = f"""# Results

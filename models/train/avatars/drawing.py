@@ -13,7 +13,7 @@ from ...captures.reader import Capture
 from ...captures.texels import Texels
 from ..losses import psnr
 from ..synthesis.torchgem import pose_head
-from ..synthesis.views import View, views_of
+from ..synthesis.views import View, view_of
 from .avatar import Avatar
 from .moments import Moments
 from .residuals import Residuals
@@ -35,11 +35,8 @@ class Stage:
         return pose_head(raw, self._neck_weights, self._pivot, moment.rotation, moment.translation), residuals
 
     def view(self, shot: Shot, background: Sequence[float] | None = None) -> View:
-        """A shot over a background; without a mask, or with None, over the one it was taken against."""
-        rgba = self.capture.read(shot)
-        ground = self.capture.background if background is None or rgba[..., 3].min() == 255 else background
-        view = views_of([rgba], [shot.camera], ground)[0]
-        return View(view.picture.to(self.device), view.camera, view.background.to(self.device))
+        """A shot over a background, on the stage's device; see ``view_of``."""
+        return view_of(self.capture, shot, background, self.device)
 
     def draw(self, splats: GaussianTensors, view: View) -> Tensor:
         """[H, W, 3] what the view's camera sees, over its background."""

@@ -64,8 +64,20 @@ def focus_map(regions: Sequence[Region], positions: NDArray[np.floating], camera
         pixels = seen[:, :2] / seen[:, 2:] * [camera.fx, camera.fy] + [camera.cx, camera.cy]
         pixels = np.clip(pixels, -1e4, 1e4)
         outline = cv2.convexHull(pixels.astype(np.float32)).round().astype(np.int32)
-        own = np.zeros_like(weights)
-        cv2.fillConvexPoly(own, outline, 1.0)
         soft = max(1.0, _SOFT * float(np.ptp(pixels[:, 1])))
-        np.maximum(weights, cv2.GaussianBlur(own, (0, 0), soft), out=weights)
+        _soften(weights, outline, soft)
     return weights
+
+
+def _soften(weights: NDArray[np.float32], outline: NDArray[np.int32], soft: float) -> None:
+    """Raises the weights [H, W] within an outline of pixels to 1, fading over ``soft`` pixels; touches no more of
+    them than that reaches."""
+    margin = int(np.ceil(4 * soft)) + 2  # where OpenCV's own window for floats ends
+    low = np.clip(outline.min((0, 1)) - margin, 0, weights.shape[::-1])
+    high = np.clip(outline.max((0, 1)) + margin + 1, 0, weights.shape[::-1])
+    if (high <= low).any():
+        return
+    near = weights[low[1] : high[1], low[0] : high[0]]
+    own = np.zeros_like(near)
+    cv2.fillConvexPoly(own, outline - low.astype(np.int32), 1.0)
+    np.maximum(near, cv2.GaussianBlur(own, (0, 0), soft), out=near)

@@ -10,6 +10,8 @@ Model = Literal["cnn", "rigged", "blendshapes"]
 """What is learned: the paper's CNN, or one of the two baselines beside it."""
 MODELS = get_args(Model)
 LARGEST = {"size": 1024, "width": 512}
+RATED = 16
+"""Channels at full resolution that learning rates of networks are stated for."""
 LARGEST_COUNT, LARGEST_WEIGHT = 10_000_000, 1000.0
 """What no sound plan exceeds: a config from elsewhere must not fill the memory."""
 
@@ -30,7 +32,8 @@ class Plan:
     colors_first: int = 100
     """So many steps learn the colours of the bare mesh, before anything moves. At ``steps`` it is a bare mesh."""
     network_rate: float = 2e-3
-    """Learning rates fall along half a cosine to 2 % of these: of the network ..."""
+    """Learning rates fall along half a cosine to 2 % of these: of a network RATED channels wide; a wider one takes
+    less in proportion (``rates``) ..."""
     constant_rate: float = 2e-2
     """... of the part of the residuals that no expression changes ..."""
     color_rate: float = 1e-2
@@ -64,9 +67,14 @@ class Plan:
 
     @property
     def rates(self) -> dict[str, float]:
-        """The learning rate of each group of parameters (``Avatar.groups``)."""
+        """The learning rate of each group of parameters (``Avatar.groups``).
+
+        Adam moves every weight by the rate, so what a convolution answers moves by the rate times the channels that go
+        in; the rate has to fall as they grow (Yang et al., Tensor Programs V), or the first steps throw a wide network
+        to its bounds.
+        """
         return {
-            "network": self.network_rate,
+            "network": self.network_rate * min(1.0, RATED / self.width),
             "shapes": self.shape_rate,
             "constant": self.constant_rate,
             "colors": self.color_rate,

@@ -20,8 +20,10 @@ from ...captures.reader import Capture
 from ...captures.texels import texels_of
 from ...captures.texture import texel_colors
 from ...wholefile import write_whole
+from ..ahead import Ahead
 from ..deck import Deck, frontal, spaced
 from ..perceptual import Perceptual
+from ..synthesis.views import View
 from .astray import astray
 from .drawing import Stage
 from .focus import focus_map, regions_of
@@ -29,7 +31,6 @@ from .kinds import KINDS, untrained
 from .objective import TERMS, Objective
 from .plan import Plan
 from .previews import comparison, loss_curve, loss_table, write_png
-from .reading import Reader
 from .runs import (
     CHECKPOINT,
     PREVIEWS,
@@ -129,7 +130,7 @@ class Trainer:
         self.stage = Stage(capture, texels, self.avatar, torch.device(device))
         self.objective = Objective(plan, perceptual)
         self.deck = Deck(capture.train, plan.views, plan.seed)
-        self._reader = Reader(self.stage, self.deck, plan.steps)
+        self._ahead = Ahead(self._dealt, plan.steps)
         self.step, self.skipped, self.restored = 0, 0, 0
         self._stumbles, self._returns, self._pace = 0, 0, 1.0
         self._rows: list[list[float]] = []
@@ -175,7 +176,7 @@ class Trainer:
                     self._show()
                 progress("train", self.step, self.plan.steps)
         finally:
-            self._reader.close()
+            self._ahead.close()
         self._show()
         capture, late = self.stage.capture, [row[-1] for row in self._rows[-max(1, len(self._rows) // 10) :]]
         return Outcome(
@@ -214,11 +215,21 @@ class Trainer:
         else:
             self._stumble()
 
+    def _dealt(self, step: int) -> Callable[[], tuple[int, list[View]]]:
+        """What a step learns from: its moment, and pictures of it, each over a background of its own."""
+        shots, lot = self.deck.dealt(step), self.deck.lot(step, "ground")
+        grounds = [lot.uniform(0, 1, 3).tolist() for _ in shots]
+
+        def read() -> tuple[int, list[View]]:
+            return shots[0].timestep, [self.stage.view(*taken) for taken in zip(shots, grounds, strict=True)]
+
+        return read
+
     def _terms(self) -> Tensor:
         """[5] the terms of this step's loss; NaN where splats are not finite, which engines leave out silently."""
-        shots, views = self._reader.step(self.step)
+        timestep, views = self._ahead.step(self.step)
         lot = self.deck.lot(self.step, "crop")
-        raw, residuals = self.stage.splats(shots[0].timestep, self.step < self.plan.colors_first)
+        raw, residuals = self.stage.splats(timestep, self.step < self.plan.colors_first)
         if not all(bool(torch.isfinite(tensor).all()) for tensor in raw):
             return torch.full((len(TERMS),), float("nan"), requires_grad=True)
         splats, positions = activate(raw), raw.positions.detach().cpu().numpy()

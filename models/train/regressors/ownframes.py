@@ -14,7 +14,7 @@ from ...gem import Gem
 from ..losses import photometric
 from ..synthesis.fit import Start
 from ..synthesis.torchgem import TorchGem
-from ..synthesis.views import views_of
+from ..synthesis.views import view_of
 from .network import RegressorNetwork
 from .sightings import Sightings
 from .strangers import NOISE
@@ -77,7 +77,7 @@ class Pictured:
         """L1 and D-SSIM of one random picture."""
         index = int(self._rng.integers(len(self._sightings)))
         shot = self._sightings.shots[index]
-        view = views_of([self._capture.read(shot)], [shot.camera], self._capture.background)[0].shrunk(PICTURE_SIDE)
+        view = view_of(self._capture, shot).shrunk(PICTURE_SIDE)
         rows = (torch.from_numpy(array[index][None]) for array in (self._sightings.features, self._sightings.rotations))
         raw = self._avatar.compose(network(*rows)[0])
         pose = self._moments[shot.timestep].pose

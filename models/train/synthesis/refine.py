@@ -18,6 +18,7 @@ from ....render.diff.tensors import activate
 from ...captures.layout import Shot
 from ...captures.reader import Capture
 from ...gem import MODALITIES, Gem
+from ..ahead import Ahead
 from ..deck import Deck, spaced
 from ..losses import photometric, psnr
 from ..perceptual import Perceptual
@@ -25,7 +26,7 @@ from .fit import Start
 from .freegem import FreeGem
 from .torchgem import pose_head
 from .unfinished import Course, Unfinished
-from .views import View, views_of
+from .views import View, view_of
 
 Progress = Callable[[str, int, int], None]
 
@@ -161,6 +162,7 @@ class _Run:
         self.free = FreeGem(gem, begin, device)
         self._neck_weights = torch.tensor(gem.neck_weights, device=device)
         self._pivot = torch.tensor(gem.neck_pivot, dtype=torch.float32, device=device)
+        self._ahead = Ahead(self._dealt, effort.iterations)
         self._pace = 1.0
         self._optimizer = self._adam()
 
@@ -180,6 +182,8 @@ class _Run:
             stopped = True
             if course.curve[-1][0] < course.done:
                 self._judge(course)
+        finally:
+            self._ahead.close()
         answer, found = self._gem, self.free.began
         if course.best > course.before:
             self.free.restore(course.kept)
@@ -234,18 +238,22 @@ class _Run:
         """Mean PSNR of the pictures that judge."""
         values = []
         for shot in self._judges:
-            view = self._view(shot, self._capture.background)
+            view = view_of(self._capture, shot, device=self._device)
             values.append(psnr(self._drawn(shot, view).clamp(0, 1), view.picture))
         return float(np.mean(values))
 
+    def _dealt(self, step: int) -> Callable[[], tuple[Shot, View]]:
+        """The picture of a step, over a random background now and then."""
+        (shot,), lot = self._deck.dealt(step), self._deck.lot(step, "ground")
+        ground = lot.uniform(size=3).tolist() if lot.uniform() < GROUNDS else None
+        return lambda: (shot, view_of(self._capture, shot, ground, self._device))
+
     def _step(self, step: int) -> float:
-        effort, lot = self._effort, self._deck.lot(step, "ground")
+        effort = self._effort
         share = step / effort.iterations
         for group in self._optimizer.param_groups:
             group["lr"] = self._pace * group["rate"] * (LAST_RATE + (1 - LAST_RATE) * 0.5 * (1 + np.cos(np.pi * share)))
-        (shot,) = self._deck.dealt(step)
-        ground = lot.uniform(size=3).tolist() if lot.uniform() < GROUNDS else self._capture.background
-        view = self._view(shot, ground)
+        shot, view = self._ahead.step(step)
         image = self._drawn(shot, view)
         loss = photometric(image, view.picture)
         if self._perceptual is not None and step % effort.perceptual_every == 0:
@@ -268,13 +276,6 @@ class _Run:
         turn, move = (torch.tensor(x, device=self._device) for x in (pose.turn, pose.move))
         posed = pose_head(raw, self._neck_weights, self._pivot, turn, move)
         return rasterize(activate(posed), view.camera, view.background)
-
-    def _view(self, shot: Shot, ground: Sequence[float]) -> View:
-        rgba = self._capture.read(shot)
-        if rgba[..., 3].min() == 255:  # no mask: what is behind belongs to the picture
-            ground = self._capture.background
-        view = views_of([rgba], [shot.camera], ground)[0]
-        return View(view.picture.to(self._device), view.camera, view.background.to(self._device))
 
     def _adam(self) -> torch.optim.Optimizer:
         free, effort = self.free, self._effort

@@ -10,6 +10,8 @@ from torch import Tensor
 from torch.nn import functional
 
 from ....render.camera import Camera
+from ...captures.layout import Shot
+from ...captures.reader import Capture
 
 
 @dataclass(frozen=True)
@@ -36,13 +38,33 @@ class View:
         return replace(self, picture=small, camera=camera)
 
 
+def view_of(
+    capture: Capture,
+    shot: Shot,
+    background: Sequence[float] | None = None,
+    device: torch.device | str = "cpu",
+) -> View:
+    """A shot over a background; without a mask, or with None, over the one it was taken against.
+
+    Raises CaptureError where the capture changed since it was opened.
+    """
+    rgba = capture.read(shot)
+    # without a mask, what is behind belongs to the picture
+    ground = capture.background if background is None or rgba[..., 3].min() == 255 else background
+    return views_of([rgba], [shot.camera], ground, device)[0]
+
+
 def views_of(
-    pictures: Sequence[NDArray[np.generic]], cameras: Sequence[Camera], background: Sequence[float]
+    pictures: Sequence[NDArray[np.generic]],
+    cameras: Sequence[Camera],
+    background: Sequence[float],
+    device: torch.device | str = "cpu",
 ) -> list[View]:
-    """Views of RGB or straight RGBA pictures (uint8 or floats in [0, 1]); ValueError says which does not fit."""
+    """Views on a device of RGB or straight RGBA pictures (uint8 or floats in [0, 1]); ValueError says which does not
+    fit."""
     if not pictures or len(pictures) != len(cameras):
         raise ValueError(f"every picture needs its camera: {len(pictures)} pictures, {len(cameras)} cameras")
-    ground = torch.tensor(background, dtype=torch.float32)
+    ground = torch.tensor(background, dtype=torch.float32, device=device)
     if ground.shape != (3,):
         raise ValueError(f"a background is one RGB colour, got {background}")
     views = []
@@ -52,8 +74,9 @@ def views_of(
         if picture.shape[:2] != (camera.height, camera.width):
             size = f"{picture.shape[1]}x{picture.shape[0]}"
             raise ValueError(f"picture {index} is {size}, its camera {camera.width}x{camera.height}")
-        values = torch.from_numpy(np.ascontiguousarray(picture)).float() / (255 if picture.dtype == np.uint8 else 1)
-        if not torch.isfinite(values).all():
+        bytes_ = picture.dtype == np.uint8
+        values = torch.from_numpy(np.ascontiguousarray(picture)).to(device).float() / (255 if bytes_ else 1)
+        if not (bytes_ or torch.isfinite(values).all()):
             raise ValueError(f"picture {index} holds values that are not finite")
         if values.shape[2] == 4:
             values = values[..., :3] * values[..., 3:] + ground * (1 - values[..., 3:])

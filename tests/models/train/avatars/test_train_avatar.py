@@ -58,6 +58,15 @@ def test_thirty_steps_learn(trained: Path) -> None:
     assert (trained / "loss.png").stat().st_size > 1000
 
 
+@pytest.mark.parametrize("preset", PRESETS)
+def test_no_preset_throws_its_network_to_the_bounds(preset: str, capture: Capture, tmp_path: Path) -> None:
+    plan = replace(PRESETS[preset].changed(steps=40, perceptual=False, size=64), views=2, colors_first=4)
+    train_avatar(capture, tmp_path, plan)
+    rows = np.genfromtxt(tmp_path / "loss.csv", delimiter=",", names=True)
+    assert rows["loss"][-12:].mean() < rows["loss"][:4].mean()
+    assert rows["offset"].max() < 10  # where every splat is as far off as it can be it is 70
+
+
 def test_killed_at_any_moment_it_comes_to_the_same(capture: Capture, trained: Path, tmp_path: Path) -> None:
     training = subprocess.Popen([sys.executable, trainee.__file__, capture.folder, tmp_path])
 
@@ -214,7 +223,9 @@ def test_what_is_thrown_off_goes_on_from_its_last_checkpoint_more_slowly(
         ([0.1] * 70 + [0.3] * 5 + [float("nan")] * 5, True),
         ([0.1] * 60 + [0.3] * 10 + [0.1] * 10, False),  # it came back
         ([0.5] * 40 + [0.1] * 40, False),
-        ([0.1] * 30 + [0.3] * 10, False),  # nothing to compare with
+        ([0.1] * 30 + [0.3] * 10, True),  # before the first checkpoint
+        ([0.3] * 10 + [0.1] * 30, False),
+        ([0.1] * 20 + [0.3] * 15, False),  # nobody asks before
         ([0.1] * 40 + [float("nan")] * 40, False),  # steps that are not finite have a cure of their own
     ],
 )
