@@ -16,7 +16,7 @@ from ...models.brevity import brief
 from ...models.captures.heldout import HELD_OUT, judged_shots
 from ...models.captures.layout import Shot
 from ...models.captures.reader import Capture
-from ...models.captures.staging import Stage
+from ...models.captures.standin import StandIn
 from ..errors import InputError
 from ..jobs import affordable_jobs
 from ..progress import ProgressBar
@@ -186,9 +186,9 @@ def _conditions(judge: "Judge") -> tuple[str, ...]:
 def gallery_of(footage: Capture, shots: Sequence[Shot], records: Sequence["Record"]) -> Gallery:
     """The few pictures that the page holds, as they were taken; how well an avatar did decides which."""
     gallery = Gallery(choose([record.values["PSNR"] or 0.0 for record in records]))
-    stage = Stage(footage)
+    standin = StandIn(footage)
     for place in sorted(gallery.choice.all):
-        gallery.add("", place, _bytes(stage.truth(shots[place])), None)
+        gallery.add("", place, _bytes(standin.truth(shots[place])), None)
     gallery.end_row("")
     return gallery
 
@@ -204,10 +204,10 @@ def show(
     """Draws them again as an avatar did them, from what was found of it."""
     from ...models.train.synthesis.fit import error_map
 
-    stage = Stage(footage)
+    standin = StandIn(footage)
     for place in sorted(gallery.choice.all):
-        image = contestant.draw(stage, shots[place], records[place].act)
-        gallery.add(row, place, _bytes(image), error_map(image, stage.truth(shots[place])))
+        image = contestant.draw(standin, shots[place], records[place].act)
+        gallery.add(row, place, _bytes(image), error_map(image, standin.truth(shots[place])))
     gallery.end_row(row)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from gemheads.models.captures.heldout import judged_shots, viewers
 from gemheads.models.captures.layout import Shot
 from gemheads.models.captures.reader import Capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.gem import MODALITIES, Gem
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.importers.adopt import adopt
@@ -88,8 +88,8 @@ class Ablation:
         self._frames = list(self._source.frames())
         self.gem = adopt(self._source, "ablated", effort.components)[0]
         self.held_out = [run.splats(capture.tracked(shot.timestep)) for shot in self.shots]
-        self._stage = Stage(capture)
-        self.taken = [self._stage.truth(shot) for shot in self.shots]
+        self._standin = StandIn(capture)
+        self.taken = [self._standin.truth(shot) for shot in self.shots]
         self.drawn = [self._draw(raw, shot) for raw, shot in zip(self.held_out, self.shots, strict=True)]
         still = [self._draw(self._source.rest, shot) for shot in self.shots]
         self._moving = [
@@ -187,7 +187,7 @@ class Ablation:
         return self._near(images, self.taken)
 
     def _draw(self, raw: RawGaussians, shot: Shot) -> Image:
-        return self._stage.draw(raw, self.gem.neck_weights, self.gem.neck_pivot, shot)
+        return self._standin.draw(raw, self.gem.neck_weights, self.gem.neck_pivot, shot)
 
     def _near(self, images: Sequence[Image], truths: Sequence[Image]) -> Quality:
         pairs = list(zip(images, truths, strict=True))

@@ -10,7 +10,7 @@ pytest.importorskip("torch", reason="ablations need the extra gemheads[train]")
 
 import toycapture
 from gemheads.models.captures.reader import Capture, open_capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.metrics.pixels import psnr
 from gemheads.models.train.avatars.plan import Plan
 from gemheads.models.train.avatars.run_source import run_source
@@ -102,10 +102,10 @@ def test_a_fit_comes_nearer(
     space = Space(frames[0])
     model = Searched.of(make([space.row(frame) for frame in frames], 2), ablation.gem)
     shot = ablation.shots[0]
-    stage, truth = Stage(capture), ablation.taken[0]
+    standin, truth = StandIn(capture), ablation.taken[0]
     others = [other for other in capture.test if other.timestep == shot.timestep][:2]
     before, after = (fitted(model, capture, others, evaluations) for evaluations in (1, 8))
-    drawn = [stage.draw(raw, ablation.gem.neck_weights, ablation.gem.neck_pivot, shot) for raw in (before, after)]
+    drawn = [standin.draw(raw, ablation.gem.neck_weights, ablation.gem.neck_pivot, shot) for raw in (before, after)]
     assert psnr(drawn[1], truth) > psnr(drawn[0], truth)
 
 

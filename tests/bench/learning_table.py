@@ -26,7 +26,7 @@ import torch
 from gemheads.app.performing.tracks import load_track
 from gemheads.models.captures.layout import Shot
 from gemheads.models.captures.reader import Capture, open_capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.captures.texels import texels_of
 from gemheads.models.gemfile import load_gem
 from gemheads.models.metrics.tables import DIGITS, METRICS
@@ -97,17 +97,17 @@ def measure(
     capture: Capture, shots: Mapping[str, list[Shot]], methods: list[Method], judge: Judge
 ) -> tuple[dict[str, dict[str, dict[str, float]]], list[NDArray[np.uint8]]]:
     """Split -> method -> metric -> mean; and for the middle picture of each split, and the last, a row of pictures."""
-    stage, rows = Stage(capture), []
+    standin, rows = StandIn(capture), []
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for split, taken in shots.items():
         values: dict[str, list[dict[str, float | None]]] = {method.name: [] for method in methods}
         shown = {taken[len(taken) // 2].picture, taken[-1].picture} if taken else set()
         for shot in taken:
-            truth = stage.truth(shot)
+            truth = standin.truth(shot)
             cells = [np.concatenate([_bytes(truth), np.full(truth.shape, 255, np.uint8)])]
             for method in methods:
                 raw, pose = method.answer(shot, split)
-                image = stage.draw(raw, method.neck_weights, method.neck_pivot, shot, pose)
+                image = standin.draw(raw, method.neck_weights, method.neck_pivot, shot, pose)
                 values[method.name].append(judge.measured(image, truth))
                 cells.append(np.concatenate([_bytes(image), error_map(image, truth)]))
             if shot.picture in shown:

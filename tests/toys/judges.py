@@ -6,7 +6,7 @@ from pathlib import Path
 
 from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.gemfile import load_gem
 from gemheads.models.train.judging.contestants import Act, Floats, GemContestant
 from gemheads.models.train.judging.judge import Judge
@@ -39,7 +39,7 @@ class Trouble:
             raise CaptureError(shot.picture, "is gone", "copy it there")
         raise ValueError(f"{split} is more than it can bear")
 
-    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
         raise NotImplementedError
 
 

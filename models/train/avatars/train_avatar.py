@@ -25,7 +25,6 @@ from ..deck import Deck, frontal, spaced
 from ..perceptual import Perceptual
 from ..synthesis.views import View
 from .astray import astray
-from .drawing import Stage
 from .focus import focus_map, regions_of
 from .kinds import KINDS, untrained
 from .objective import TERMS, Objective
@@ -44,6 +43,7 @@ from .runs import (
     write_checkpoint,
     write_config,
 )
+from .scene import Scene
 
 Progress = Callable[[str, int, int], None]
 
@@ -127,7 +127,7 @@ class Trainer:
         with torch.random.fork_rng():
             torch.manual_seed(plan.seed)
             self.avatar = untrained(texels, plan).to(device)
-        self.stage = Stage(capture, texels, self.avatar, torch.device(device))
+        self.scene = Scene(capture, texels, self.avatar, torch.device(device))
         self.objective = Objective(plan, perceptual)
         self.deck = Deck(capture.train, plan.views, plan.seed)
         self._ahead = Ahead(self._dealt, plan.steps)
@@ -148,7 +148,7 @@ class Trainer:
             half_written.unlink()
         state = read_checkpoint(self.folder)
         if state is None:
-            colors, _ = texel_colors(self.stage.capture, self.stage.texels)
+            colors, _ = texel_colors(self.scene.capture, self.scene.texels)
             with torch.no_grad():
                 self.avatar.colors.copy_(torch.from_numpy(colors))
             self._keep()
@@ -178,13 +178,13 @@ class Trainer:
         finally:
             self._ahead.close()
         self._show()
-        capture, late = self.stage.capture, [row[-1] for row in self._rows[-max(1, len(self._rows) // 10) :]]
+        capture, late = self.scene.capture, [row[-1] for row in self._rows[-max(1, len(self._rows) // 10) :]]
         return Outcome(
             steps=self.step,
             seconds=time.monotonic() - started,
             loss=float(np.nanmean(late)) if np.isfinite(late).any() else float("nan"),
-            val_psnr=self.stage.quality(spaced(capture.val, JUDGED), self._bare),
-            test_psnr=self.stage.quality(spaced(capture.test, JUDGED), self._bare),
+            val_psnr=self.scene.quality(spaced(capture.val, JUDGED), self._bare),
+            test_psnr=self.scene.quality(spaced(capture.test, JUDGED), self._bare),
             skipped=self.skipped,
             restored=self.restored,
         )
@@ -221,7 +221,7 @@ class Trainer:
         grounds = [lot.uniform(0, 1, 3).tolist() for _ in shots]
 
         def read() -> tuple[int, list[View]]:
-            return shots[0].timestep, [self.stage.view(*taken) for taken in zip(shots, grounds, strict=True)]
+            return shots[0].timestep, [self.scene.view(*taken) for taken in zip(shots, grounds, strict=True)]
 
         return read
 
@@ -229,14 +229,14 @@ class Trainer:
         """[5] the terms of this step's loss; NaN where splats are not finite, which engines leave out silently."""
         timestep, views = self._ahead.step(self.step)
         lot = self.deck.lot(self.step, "crop")
-        raw, residuals = self.stage.splats(timestep, self.step < self.plan.colors_first)
+        raw, residuals = self.scene.splats(timestep, self.step < self.plan.colors_first)
         if not all(bool(torch.isfinite(tensor).all()) for tensor in raw):
             return torch.full((len(TERMS),), float("nan"), requires_grad=True)
         splats, positions = activate(raw), raw.positions.detach().cpu().numpy()
         totals = []
         for view in views:
             focus = torch.from_numpy(focus_map(self._regions, positions, view.camera)).to(raw.positions)
-            image = self.stage.draw(splats, view)
+            image = self.scene.draw(splats, view)
             totals.append(self.objective.of_picture(image, view.picture, focus, self.step, lot))
         return torch.cat([torch.stack(totals).mean(0), self.objective.of_residuals(residuals)])
 
@@ -309,9 +309,9 @@ class Trainer:
 
     def _show(self) -> None:
         """Previews, the curve, and the numbers behind it."""
-        capture = self.stage.capture
+        capture = self.scene.capture
         shots = [*spaced(capture.val, 2), *spaced(frontal(capture.test), 2)] or spaced(capture.train, 2)
-        picture = comparison([self.stage.seen(shot, self._bare) for shot in shots])
+        picture = comparison([self.scene.seen(shot, self._bare) for shot in shots])
         write_png(self.folder / PREVIEWS / f"{self.step:06d}.png", picture)
         rows = np.array(self._rows)
         write_png(self.folder / "loss.png", loss_curve(rows[:, 0], rows[:, -1]))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...captures.heldout import viewers
 from ...captures.layout import Shot
 from ...captures.reader import Capture
-from ...captures.staging import Stage
+from ...captures.standin import StandIn
 from ...gem import Gem
 from ..avatars.runs import Run
 from ..synthesis.fitcapture import fit_moments
@@ -44,7 +44,7 @@ class Contestant(Protocol):
         """What it does in a picture, never knowing the picture itself unless no other camera was there."""
         ...
 
-    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
         """[H, W, 3] sRGB in [0, 1]: the picture of that."""
         ...
 
@@ -76,13 +76,13 @@ class GemContestant:
             self._found[cameras] = Act(moment.fit.coefficients, pose.turn, pose.move, cameras, seconds)
         return self._found[cameras]
 
-    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
         """The fitted expression. Raises ValueError for an act of something else."""
         if act.coefficients is None or act.turn is None or act.move is None:
             raise ValueError("a GEM acts by coefficients and a pose; this act has none")
         gem = self._gem
         pose = act.turn, act.move
-        return stage.draw(gem.compose(act.coefficients), gem.neck_weights, gem.neck_pivot, shot, pose)
+        return standin.draw(gem.compose(act.coefficients), gem.neck_weights, gem.neck_pivot, shot, pose)
 
 
 class RunContestant:
@@ -98,11 +98,11 @@ class RunContestant:
         del shot, split
         return Act(None, None, None, (), 0.0)
 
-    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
         """The model's splats for what was tracked at the moment. Raises CaptureError."""
         del act
         tracked = self._run.capture.tracked(shot.timestep)
-        return stage.draw(self._run.splats(tracked), *self._neck, shot)
+        return standin.draw(self._run.splats(tracked), *self._neck, shot)
 
 
 def neck_of(run: Run) -> tuple[Floats, Floats]:

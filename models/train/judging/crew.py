@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any
 
 from ...captures.reader import Capture
-from ...captures.staging import Stage
+from ...captures.standin import StandIn
 from ..workers import WorkerLost, deaf
 from .contestants import Contestant
 from .evaluate import Moment, judged
@@ -147,7 +147,7 @@ class Shared:
 
 
 def _work(orders: End, answers: End, capture: Capture, judge: Callable[[], Judge]) -> None:
-    stage = Stage(capture)
+    standin = StandIn(capture)
     network: Judge | None = None
     acting: tuple[str, Contestant] | None = None
     while True:
@@ -159,7 +159,7 @@ def _work(orders: End, answers: End, capture: Capture, judge: Callable[[], Judge
             network = network or judge()
             if acting is None or acting[0] != order.avatar:
                 acting = order.avatar, order.opens(capture)
-            for pair in judged(acting[1], stage, network, order.moment):
+            for pair in judged(acting[1], standin, network, order.moment):
                 answers.send(pair)
             answers.send(None)
         except BrokenPipeError:

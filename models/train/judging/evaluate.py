@@ -7,7 +7,7 @@ from typing import Protocol
 
 from ...captures.layout import Shot
 from ...captures.reader import Capture
-from ...captures.staging import Stage
+from ...captures.standin import StandIn
 from ..threads import one_thread
 from .contestants import Contestant
 from .judge import Judge
@@ -45,17 +45,17 @@ class Alone:
 
     def records(self, moments: Sequence[Moment]) -> Iterator[tuple[str, Record]]:
         """See ``Judging``; in order."""
-        stage = Stage(self.capture)
+        standin = StandIn(self.capture)
         for moment in moments:
-            yield from judged(self.contestant, stage, self.judge, moment)
+            yield from judged(self.contestant, standin, self.judge, moment)
 
 
-def judged(contestant: Contestant, stage: Stage, judge: Judge, moment: Moment) -> Iterator[tuple[str, Record]]:
+def judged(contestant: Contestant, standin: StandIn, judge: Judge, moment: Moment) -> Iterator[tuple[str, Record]]:
     """Key and record of each picture of a moment, computed in one thread. Raises CaptureError."""
     for key, shot in zip(moment.keys, moment.shots, strict=True):
         with one_thread():
             act = contestant.act(shot, moment.split)
-            record = Record(act, judge.measured(contestant.draw(stage, shot, act), stage.truth(shot)))
+            record = Record(act, judge.measured(contestant.draw(standin, shot, act), standin.truth(shot)))
         yield key, record
 
 

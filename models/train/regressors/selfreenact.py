@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...captures.reader import Capture
-from ...captures.staging import Stage
+from ...captures.standin import StandIn
 from ...driver.regressor import Regressor
 from ...gem import Gem
 from ...metrics.pixels import psnr
@@ -76,16 +76,16 @@ def self_reenactment(
 def _judged(
     gem: Gem, capture: Capture, seen: Sightings, driven: list[Floats], fitted: dict[int, Floats]
 ) -> SelfReenactment:
-    stage = Stage(capture)
+    standin = StandIn(capture)
     values: dict[str, list[tuple[float, float]]] = {row: [] for row in ROWS}
     columns: list[NDArray[np.uint8]] = []
     in_front = next(c for c in frontal_cameras(capture) if any(shot.camera_index == c for shot in seen.shots))
     shown = {shot.picture for shot in spaced([s for s in seen.shots if s.camera_index == in_front], STRIP)}
     for shot, coefficients in zip(seen.shots, driven, strict=True):
-        truth = stage.truth(shot)
+        truth = standin.truth(shot)
         images = [truth]
         for row, k in zip(ROWS, (gem.rest_coefficients, coefficients, fitted[shot.timestep]), strict=True):
-            image = stage.draw(gem.compose(k), gem.neck_weights, gem.neck_pivot, shot)
+            image = standin.draw(gem.compose(k), gem.neck_weights, gem.neck_pivot, shot)
             values[row].append((psnr(image, truth), ssim(image, truth)))
             images.append(image)
         if shot.picture in shown:

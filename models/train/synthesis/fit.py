@@ -33,7 +33,7 @@ NOISE = 0.02
 
 
 @dataclass(frozen=True)
-class Stage:
+class Descent:
     """One run of L-BFGS."""
 
     side: int | None
@@ -48,19 +48,19 @@ class Stage:
 class Effort:
     """How long to look."""
 
-    stages: tuple[Stage, ...]
+    descents: tuple[Descent, ...]
     adam_steps: int = 0
     """Taken last; the best of their points is kept. A few bring nothing: the time is spent better on L-BFGS."""
     adam_rate: float = 0.02
     """Sigmas a step, at first; it falls to nothing."""
 
 
-FIRST = Effort((Stage(64, 4, pose_only=True), Stage(None, 33)))
+FIRST = Effort((Descent(64, 4, pose_only=True), Descent(None, 33)))
 """A picture of which nothing is known: below 1 s at 15,000 splats and 256 x 256 on two cores. Only the pose is sought
 on a coarse picture: splats are widened by a part of a pixel, so the expression seen there is another."""
-NEXT = Effort((Stage(None, 8),))
+NEXT = Effort((Descent(None, 8),))
 """A picture that follows one already fitted, with its memory: below 0.3 s."""
-THOROUGH = Effort((Stage(64, 12, pose_only=True), Stage(None, 80)), adam_steps=40)
+THOROUGH = Effort((Descent(64, 12, pose_only=True), Descent(None, 80)), adam_steps=40)
 """What a few seconds more give."""
 
 
@@ -142,9 +142,9 @@ def fit(
     problem = _Problem(gem, views_of(pictures, cameras, background), prior, around)
     unknown = problem.whitened(start)
     memory = () if start is None else start.memory
-    for stage in effort.stages:
-        learned = _descend(problem, unknown, stage, memory)
-        memory = memory if stage.pose_only else learned
+    for descent in effort.descents:
+        learned = _descend(problem, unknown, descent, memory)
+        memory = memory if descent.pose_only else learned
     losses = _adam(problem, unknown, effort)
     coefficients, pose = problem.found(unknown)
     unknown = problem.whitened(Start(coefficients, pose))
@@ -206,12 +206,12 @@ class _Problem:
         return self.prior * (unknown - self._expected).square().mean()
 
 
-def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -> Memory:
+def _descend(problem: _Problem, unknown: Tensor, descent: Descent, memory: Memory) -> Memory:
     """L-BFGS, in place; returns what was learned."""
-    views = [view.shrunk(stage.side) for view in problem.views]
-    first = problem.count if stage.pose_only else 0
+    views = [view.shrunk(descent.side) for view in problem.views]
+    first = problem.count if descent.pose_only else 0
     with torch.no_grad():
-        still = problem.compose(unknown) if stage.pose_only else None
+        still = problem.compose(unknown) if descent.pose_only else None
 
     def energy(free: Tensor) -> tuple[float, Tensor]:
         free = free.detach().requires_grad_()
@@ -223,7 +223,7 @@ def _descend(problem: _Problem, unknown: Tensor, stage: Stage, memory: Memory) -
             total = total + difference.square().mean() / (NOISE**2 * len(views))
         return float(total.detach()), torch.autograd.grad(total, free)[0]
 
-    found, _, learned = minimise(energy, unknown[first:], stage.evaluations, () if stage.pose_only else memory)
+    found, _, learned = minimise(energy, unknown[first:], descent.evaluations, () if descent.pose_only else memory)
     unknown[first:] = found
     return learned
 

@@ -11,11 +11,11 @@ from ....render.camera import Camera
 from ...captures.layout import Shot
 from ...captures.reader import Capture
 from ...gem import Gem
-from .fit import Effort, Fit, HeadPose, Stage, Start, fit
+from .fit import Descent, Effort, Fit, HeadPose, Start, fit
 
-ALONE = Effort((Stage(64, 6, pose_only=True), Stage(None, 33)))
+ALONE = Effort((Descent(64, 6, pose_only=True), Descent(None, 33)))
 """A moment of which nothing is known but the head's place ..."""
-FOLLOWING = Effort((Stage(None, 17),))
+FOLLOWING = Effort((Descent(None, 17),))
 """... and one that follows another: captures show moments far apart, so it takes longer than a video's next frame."""
 LARGEST_SIDE = 512
 """Pictures are brought down to this before they are fitted: more pixels tell little more, and cost."""

@@ -13,7 +13,7 @@ pytest.importorskip("torch", reason="evaluating needs the extra gemheads[train]"
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.models.captures.reader import open_capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.gemfile import load_gem
 from gemheads.models.metrics.pixels import l1, psnr
 from gemheads.models.train.judging.contestants import GemContestant
@@ -78,11 +78,11 @@ def test_figures_are_those_of_the_pictures(toy_capture: Path, avatars: tuple[Pat
     assert evaluate(avatars[0], toy_capture, "-o", tmp_path / "r", *QUICK) == ExitCode.OK
     table = report_of(tmp_path / "r")["tables"]["test"]
     capture = open_capture(toy_capture)
-    contestant, stage = GemContestant(load_gem(avatars[0]), capture), Stage(capture)
+    contestant, standin = GemContestant(load_gem(avatars[0]), capture), StandIn(capture)
     for told in table["pictures"]:
         (shot,) = (s for s in capture.test if (s.timestep, s.camera_index) == (told["timestep"], told["camera"]))
         assert told["picture"] == shot.picture.relative_to(capture.folder).as_posix()
-        image, truth = contestant.draw(stage, shot, contestant.act(shot, "test")), stage.truth(shot)
+        image, truth = contestant.draw(standin, shot, contestant.act(shot, "test")), standin.truth(shot)
         assert told["values"]["toy"]["PSNR"] == pytest.approx(psnr(image, truth), abs=1e-6)
         assert told["values"]["toy"]["L1"] == pytest.approx(l1(image, truth), abs=1e-9)
 

@@ -18,7 +18,7 @@ from gemheads.app.evaluation.report.pictures import Gallery, choose
 from gemheads.app.evaluation.report.sizes import Pace, Variant, sizes_json
 from gemheads.app.evaluation.report.sizessection import sizes_section
 from gemheads.models.captures.reader import open_capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.metrics.pixels import psnr
 from gemheads.models.metrics.tables import METRICS, SIZES
@@ -67,9 +67,9 @@ def test_fewer_components_have_rows_of_their_own(
     assert one["megabytes"]["int8"] < one["megabytes"]["fp16"] < four["megabytes"]["fp16"]
     (picture,) = report["sizes"]["pictures"]
     (shot,) = (s for s in capture.test if (s.timestep, s.camera_index) == (picture["timestep"], picture["camera"]))
-    contestant, stage = GemContestant(gem.truncated(1), capture), Stage(capture)
-    image = contestant.draw(stage, shot, contestant.act(shot, "test"))
-    assert one["means"]["PSNR"] == pytest.approx(psnr(image, stage.truth(shot)), abs=0.1)  # threads add otherwise
+    contestant, standin = GemContestant(gem.truncated(1), capture), StandIn(capture)
+    image = contestant.draw(standin, shot, contestant.act(shot, "test"))
+    assert one["means"]["PSNR"] == pytest.approx(psnr(image, standin.truth(shot)), abs=0.1)  # threads add otherwise
     for row in (one, four, cnn):
         assert row["fps"] == pytest.approx(1000 / row["frame_ms"], rel=0.1)
     assert report["sizes"]["size"] == "64x64"

@@ -14,7 +14,7 @@ import toycapture  # noqa: E402
 from checkpoints import assert_identical  # noqa: E402
 from gemheads.models.captures.layout import CaptureError, Tracked  # noqa: E402
 from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
-from gemheads.models.captures.staging import Stage  # noqa: E402
+from gemheads.models.captures.standin import StandIn  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
 from gemheads.models.metrics.pixels import psnr  # noqa: E402
 from gemheads.models.train.avatars.plan import Model, Plan  # noqa: E402
@@ -82,12 +82,12 @@ def test_stopped_it_comes_to_the_same(
 def test_it_draws_moments_held_out(capture: Capture, trained: dict[Model, tuple[Path, Outcome]], model: Model) -> None:
     run = open_run(trained[model][0])
     assert run.seconds > 0
-    contestant, stage = RunContestant(run), Stage(capture)
+    contestant, standin = RunContestant(run), StandIn(capture)
     assert contestant.driven_by == {"rigged": "the tracked mesh", "blendshapes": "the capture's ARKit weights"}[model]
     shots = [shot for shot in capture.test if shot.camera_index == 1]
-    images = [contestant.draw(stage, shot, contestant.act(shot, "test")) for shot in shots]
-    own = np.mean([psnr(image, stage.truth(shot)) for image, shot in zip(images, shots, strict=True)])
-    other = np.mean([psnr(image, stage.truth(shot)) for image, shot in zip(images[::-1], shots, strict=True)])
+    images = [contestant.draw(standin, shot, contestant.act(shot, "test")) for shot in shots]
+    own = np.mean([psnr(image, standin.truth(shot)) for image, shot in zip(images, shots, strict=True)])
+    other = np.mean([psnr(image, standin.truth(shot)) for image, shot in zip(images[::-1], shots, strict=True)])
     assert own > other + 0.5  # of another expression and pose
     gem, distilled = adopt(run_source(run), "toy", components=3)
     assert gem.arkit_weights is not None

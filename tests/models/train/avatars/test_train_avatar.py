@@ -23,11 +23,11 @@ from gemheads.models.captures.reader import Capture, open_capture  # noqa: E402
 from gemheads.models.importers.adopt import adopt  # noqa: E402
 from gemheads.models.train.avatars.astray import astray  # noqa: E402
 from gemheads.models.train.avatars.deform import Moment  # noqa: E402
-from gemheads.models.train.avatars.drawing import Stage  # noqa: E402
 from gemheads.models.train.avatars.moments import Moments  # noqa: E402
 from gemheads.models.train.avatars.plan import PRESETS  # noqa: E402
 from gemheads.models.train.avatars.run_source import run_source  # noqa: E402
 from gemheads.models.train.avatars.runs import CHECKPOINT, CONFIG, RunError, open_run, read_checkpoint, read_config  # noqa: E402
+from gemheads.models.train.avatars.scene import Scene  # noqa: E402
 from gemheads.models.train.avatars.train_avatar import PATIENCE, RETURNS, Trainer, train_avatar  # noqa: E402
 from gemheads.models.train.deck import Deck, frontal, spaced  # noqa: E402
 from gemheads.models.train.perceptual import TINY, Perceptual  # noqa: E402
@@ -178,16 +178,16 @@ def test_weights_that_went_bad_are_taken_back(
     capture: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plan = replace(BRIEF, steps=20, preview_every=100)
-    sound, calls = Stage.splats, []
+    sound, calls = Scene.splats, []
 
-    def splats(self: Stage, timestep: int, bare: bool = False) -> object:
+    def splats(self: Scene, timestep: int, bare: bool = False) -> object:
         calls.append(timestep)
         if len(calls) == 9:  # the next checkpoint is due before patience ends
             with torch.no_grad():
                 self.avatar.colors.fill_(float("nan"))
         return sound(self, timestep, bare)
 
-    monkeypatch.setattr(Stage, "splats", splats)
+    monkeypatch.setattr(Scene, "splats", splats)
     outcome = train_avatar(capture, tmp_path, plan)
     assert (outcome.skipped, outcome.restored) == (PATIENCE, 1)
     assert np.isfinite([outcome.loss, outcome.val_psnr]).all()

@@ -14,7 +14,7 @@ pytest.importorskip("torch", reason="judging needs the extra gemheads[train]")
 import torch
 from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture, open_capture
-from gemheads.models.captures.staging import Stage
+from gemheads.models.captures.standin import StandIn
 from gemheads.models.gemfile import save_gem
 from gemheads.models.importers.adopt import adopt
 from gemheads.models.importers.baremesh import capture_source
@@ -123,8 +123,8 @@ class Counting:
         self.threads.append((torch.get_num_threads(), numba.get_num_threads(), cv2.getNumThreads()))
         return Act(None, None, None, (), 0.0)
 
-    def draw(self, stage: Stage, shot: Shot, act: Act) -> Floats:
-        return stage.truth(shot)
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
+        return standin.truth(shot)
 
 
 def test_one_thread_computes_however_many_there_are(footage: Capture) -> None:

@@ -17,10 +17,10 @@ from gemheads.render.software import SoftwareEngine
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train.synthesis.fit import FIRST, NEXT, Effort, HeadPose, Stage, Start, error_map, fit  # noqa: E402
+from gemheads.models.train.synthesis.fit import FIRST, NEXT, Descent, Effort, HeadPose, Start, error_map, fit  # noqa: E402
 
 GREY = (0.75, 0.75, 0.75)
-BRIEF = Effort((Stage(None, 2),))
+BRIEF = Effort((Descent(None, 2),))
 AVATAR = Path(__file__).parents[4] / "assets" / "avatars" / "mara.gem"
 TURN, MOVE = np.float32([0.06, -0.14, 0.05]), np.float32([0.003, -0.002, 0.004])
 
@@ -99,7 +99,7 @@ def test_an_avatar_without_components_has_a_pose() -> None:
     gem = synthetic_gem(300, 0, np.random.default_rng(0))
     camera = portrait(gem.viewing, 48, 48)
     picture = taken(gem, gem.rest_coefficients, HeadPose(TURN, MOVE), camera)
-    found = fit(gem, [picture], [camera], effort=Effort((Stage(None, 8, pose_only=True), Stage(None, 8))))
+    found = fit(gem, [picture], [camera], effort=Effort((Descent(None, 8, pose_only=True), Descent(None, 8))))
     assert degrees_apart(found.pose.turn, TURN) < 3
     assert gem.limit_share(found.coefficients) == 0
 

@@ -19,7 +19,7 @@ from .moments import Moments
 from .residuals import Residuals
 
 
-class Stage:
+class Scene:
     """An avatar, its capture, and what of the two is needed for a picture; all on one device."""
 
     def __init__(self, capture: Capture, texels: Texels, avatar: Avatar, device: torch.device) -> None:
@@ -35,7 +35,7 @@ class Stage:
         return pose_head(raw, self._neck_weights, self._pivot, moment.rotation, moment.translation), residuals
 
     def view(self, shot: Shot, background: Sequence[float] | None = None) -> View:
-        """A shot over a background, on the stage's device; see ``view_of``."""
+        """A shot over a background, on the scene's device; see ``view_of``."""
         return view_of(self.capture, shot, background, self.device)
 
     def draw(self, splats: GaussianTensors, view: View) -> Tensor:

@@ -10,7 +10,7 @@ from .layout import Shot
 from .reader import Capture
 
 
-class Stage:
+class StandIn:
     """Draws canonical splats as a capture's cameras would see them. One per thread."""
 
     def __init__(self, capture: Capture) -> None:
