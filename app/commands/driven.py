@@ -47,7 +47,7 @@ def reenact(
         resume: Leave finished results alone; continue folders of PNGs.
         track: Play a file of `gemheads track`; a driver beside it adds its sound and picture.
         engine: What draws; auto measures once and takes the faster.
-        driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
+        driver: learned uses the avatar's regressor, baseline the tracker's scores directly. Not with --track.
         rate: Frames per second of pictures, such as 25 or 30000/1001.
         no_badge: Leave the SYNTHETIC badge out, and why: the reason goes into the report and the credentials.
         name_driver: Put the driver's file name into the credentials, beside the hash of its bytes.

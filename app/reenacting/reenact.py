@@ -90,6 +90,8 @@ def _check_beside_track(drivers: list[str], wish: Wish) -> None:
     if wish.neutral.sheet is not None or wish.neutral.kind != AUTO.kind:
         option = "--neutral" if wish.neutral.sheet is None else "--neutral-sheet"
         raise UsageError(f"{option}: a track needs no neutral; give it to `gemheads track`, or leave out --track")
+    if wish.driving != Wish.driving:
+        raise UsageError(f"--driver {wish.driving}: a track says what is done; give it to `gemheads track`")
     if wish.side_by_side and not drivers:
         raise UsageError("--side-by-side: a track has no picture of who drove it; name the video, too")
 

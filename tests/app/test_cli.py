@@ -107,6 +107,7 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("reenact", "a.mp4", "-o", "b.mp4", "--components", "99", *avatar), "stores 6"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--neutral", "first", "--neutral-sheet", "c.png"), "leave it out"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--neutral-sheet", "c.png", *avatar), "needs no neutral"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--driver", "baseline", *avatar), "give it to `gemheads track`"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--neutral", "first", *avatar), "--neutral: a track needs no"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--side-by-side", *avatar), "name the video, too"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--no-badge", "because", *avatar), "say why"),
