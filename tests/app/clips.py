@@ -40,7 +40,8 @@ VARIABLE = tuple(int(t) for t in np.cumsum([2002, *[1001, 1500, 500, 1001] * 6])
 
 
 def play(tiny: Path, *words: str | Path) -> int:
-    return main(["reenact", *map(str, words), "--avatar", str(tiny), "--driver", "baseline", *SIZE])
+    driving = () if "--track" in words else ("--driver", "baseline")
+    return main(["reenact", *map(str, words), "--avatar", str(tiny), *driving, *SIZE])
 
 
 def times(path: Path) -> list[Fraction]:

@@ -93,7 +93,8 @@ def test_what_is_imported(program: str) -> None:
 
 
 def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
-    avatar = ("--avatar", str(tiny), "--driver", "baseline")
+    named = ("--avatar", str(tiny))
+    avatar = (*named, "--driver", "baseline")
     for words, said in (
         (("reenact", "a.mp4"), "--out requires an argument"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--nonsense"), "--nonsense"),
@@ -106,10 +107,10 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("reenact", "a.mp4", "-o", "b.mp4", "--background", "transparent", *avatar), "cannot be transparent"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--components", "99", *avatar), "stores 6"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--neutral", "first", "--neutral-sheet", "c.png"), "leave it out"),
-        (("reenact", "-o", "b.mp4", "--track", "t", "--neutral-sheet", "c.png", *avatar), "needs no neutral"),
-        (("reenact", "-o", "b.mp4", "--track", "t", "--driver", "baseline", *avatar), "give it to `gemheads track`"),
-        (("reenact", "-o", "b.mp4", "--track", "t", "--neutral", "first", *avatar), "--neutral: a track needs no"),
-        (("reenact", "-o", "b.mp4", "--track", "t", "--side-by-side", *avatar), "name the video, too"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--neutral-sheet", "c.png", *named), "needs no neutral"),
+        (("reenact", "-o", "b.mp4", "--track", "t", *avatar), "give it to `gemheads track`"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--neutral", "first", *named), "--neutral: a track needs no"),
+        (("reenact", "-o", "b.mp4", "--track", "t", "--side-by-side", *named), "name the video, too"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--no-badge", "because", *avatar), "say why"),
         (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
         (("export", str(tiny), "-o", "a", "--track", "t", "--set", "jawOpen=1"), "leave out one of the two"),
@@ -132,14 +133,15 @@ def test_a_terminal_that_cannot_write_a_name(tiny: Path, tmp_path: Path) -> None
 def test_unusable_inputs(capsys: pytest.CaptureFixture[str], tiny: Path, tmp_path: Path, make_clip: Clip) -> None:
     clip, out = str(make_clip()), str(tmp_path / "out.mp4")
     (tmp_path / "text.gem").write_text("no avatar")
-    avatar = ("--avatar", str(tiny), "--driver", "baseline")
+    named = ("--avatar", str(tiny))
+    avatar = (*named, "--driver", "baseline")
     for words, said in (
         ((clip, "--avatar", "nobody"), "neither an avatar's name"),
         ((clip, "--avatar", str(tmp_path / "text.gem")), "text.gem"),
         ((clip, "--avatar", str(tiny)), "has no regressor"),
         ((str(tmp_path / "none.mp4"), *avatar), "no such file or folder"),
         ((str(tiny), *avatar), "not a readable video"),
-        ((clip, "--track", str(tiny), *avatar), "not a track"),
+        ((clip, "--track", str(tiny), *named), "not a track"),
     ):
         code, error = refused(capsys, "reenact", *words, "-o", out)
         assert code == ExitCode.INPUT, error
