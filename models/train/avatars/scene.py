@@ -4,10 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from ....render.diff.rasterize import rasterize
 from ....render.diff.tensors import GaussianTensors, RawTensors, activate
+from ...captures.headmotion import posed
 from ...captures.layout import Shot
 from ...captures.reader import Capture
 from ...captures.texels import Texels
@@ -25,6 +27,7 @@ class Scene:
     def __init__(self, capture: Capture, texels: Texels, avatar: Avatar, device: torch.device) -> None:
         self.capture, self.texels, self.avatar, self.device = capture, texels, avatar, device
         self.moments = Moments(capture, texels, device)
+        self._neck = texels.spread(capture.template.neck_weights), capture.template.neck_pivot
         self._neck_weights = torch.from_numpy(texels.spread(capture.template.neck_weights)).float().to(device)
         self._pivot = torch.from_numpy(np.array(capture.template.neck_pivot, np.float32)).to(device)
 
@@ -33,6 +36,11 @@ class Scene:
         moment = self.moments[timestep]
         raw, residuals = self.avatar(moment, bare)
         return pose_head(raw, self._neck_weights, self._pivot, moment.rotation, moment.translation), residuals
+
+    def surface(self, timestep: int) -> NDArray[np.floating]:
+        """[N, 3] where the texels of the tracked mesh are, metres, in the world. Raises CaptureError."""
+        mesh = self.capture.tracked(timestep)
+        return posed(self.texels.spread(mesh.vertices), *self._neck, mesh.rotation, mesh.translation)
 
     def view(self, shot: Shot, background: Sequence[float] | None = None) -> View:
         """A shot over a background, on the scene's device; see ``view_of``."""

@@ -85,6 +85,16 @@ class Outcome:
     """Returns to a checkpoint on their account."""
 
 
+@dataclass(frozen=True)
+class Lesson:
+    """What one step learns from."""
+
+    timestep: int
+    views: list[View]
+    focus: list[Tensor]
+    """[H, W] of each view: where people look."""
+
+
 def train_avatar(
     capture: Capture,
     folder: Path,
@@ -215,27 +225,28 @@ class Trainer:
         else:
             self._stumble()
 
-    def _dealt(self, step: int) -> Callable[[], tuple[int, list[View]]]:
-        """What a step learns from: its moment, and pictures of it, each over a background of its own."""
+    def _dealt(self, step: int) -> Callable[[], "Lesson"]:
+        """What a step learns from: pictures of one moment, each over a background of its own."""
         shots, lot = self.deck.dealt(step), self.deck.lot(step, "ground")
         grounds = [lot.uniform(0, 1, 3).tolist() for _ in shots]
 
-        def read() -> tuple[int, list[View]]:
-            return shots[0].timestep, [self.scene.view(*taken) for taken in zip(shots, grounds, strict=True)]
+        def read() -> Lesson:
+            surface = self.scene.surface(shots[0].timestep)
+            seen = [torch.from_numpy(focus_map(self._regions, surface, shot.camera)) for shot in shots]
+            views = [self.scene.view(*taken) for taken in zip(shots, grounds, strict=True)]
+            return Lesson(shots[0].timestep, views, [focus.to(self.scene.device) for focus in seen])
 
         return read
 
     def _terms(self) -> Tensor:
         """[5] the terms of this step's loss; NaN where splats are not finite, which engines leave out silently."""
-        timestep, views = self._ahead.step(self.step)
+        lesson = self._ahead.step(self.step)
         lot = self.deck.lot(self.step, "crop")
-        raw, residuals = self.scene.splats(timestep, self.step < self.plan.colors_first)
+        raw, residuals = self.scene.splats(lesson.timestep, self.step < self.plan.colors_first)
         if not all(bool(torch.isfinite(tensor).all()) for tensor in raw):
             return torch.full((len(TERMS),), float("nan"), requires_grad=True)
-        splats, positions = activate(raw), raw.positions.detach().cpu().numpy()
-        totals = []
-        for view in views:
-            focus = torch.from_numpy(focus_map(self._regions, positions, view.camera)).to(raw.positions)
+        splats, totals = activate(raw), []
+        for view, focus in zip(lesson.views, lesson.focus, strict=True):
             image = self.scene.draw(splats, view)
             totals.append(self.objective.of_picture(image, view.picture, focus, self.step, lot))
         return torch.cat([torch.stack(totals).mean(0), self.objective.of_residuals(residuals)])
