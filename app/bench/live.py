@@ -227,7 +227,7 @@ def _report(
         source=StampedCamera.name,
         avatar=gem.name if gem else "",
         splats=len(gem) if gem else 0,
-        components=components,
+        components=min(components, gem.components) if gem else components,
         size=size,
         seconds=round(seconds, 1),
         pictures_per_second=round(frames / seconds, 2) if seconds > 0 else 0.0,

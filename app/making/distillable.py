@@ -17,7 +17,7 @@ from ...models.importers.plysequence import MAX_FRAMES, open_sequence, ply_files
 from ...models.importers.source import Source
 from ..errors import InputError, TrainingExtra, UsageError
 from ..words import refuse
-from .opencapture import is_capture, is_run
+from .opencapture import is_capture, is_run, tell_of_rooms
 
 LEAST_MAPS, MOST_MAPS = 16, 512
 FRAMES, MAPS = 600, 128
@@ -82,6 +82,7 @@ def _bare_mesh(path: Path, wanted: Wanted, progress: Progress) -> Opened:
     if not LEAST_MAPS <= maps <= MOST_MAPS:
         raise UsageError(f"--maps {maps}: choose from {LEAST_MAPS} to {MOST_MAPS}")
     capture = open_capture(path)
+    tell_of_rooms(capture)
     return Opened(capture_source(capture, maps, progress), capture)
 
 

@@ -1,8 +1,10 @@
 """Captures as commands meet them: whether a path is one, opened, and which of its pictures are meant."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ...models.captures.ground import room_behind
 from ...models.captures.heldout import spread
 from ...models.captures.layout import SPLITS, CaptureError, Shot, transforms_name
 from ...models.captures.reader import Capture, open_capture
@@ -20,11 +22,25 @@ def is_run(path: Path) -> bool:
 
 
 def opened(path: Path) -> Capture:
-    """A capture, everything in it checked. Raises InputError."""
+    """A capture, everything in it checked; says where a room would be learned as the person. Raises InputError."""
     try:
-        return open_capture(path)
+        capture = open_capture(path)
+        tell_of_rooms(capture)
     except CaptureError as error:
         raise InputError(str(error)) from error
+    return capture
+
+
+def tell_of_rooms(capture: Capture) -> None:
+    """A line on stderr where pictures have no masks and more than the background behind the person."""
+    picture = room_behind(capture)
+    if picture is not None:
+        colour = "#" + "".join(f"{round(255 * value):02x}" for value in capture.background)
+        print(
+            f"{picture}: has no mask, and what is behind the person is not {colour}: it is taken for the person; "
+            'give masks (fg_mask_path), or state the "background"',
+            file=sys.stderr,
+        )
 
 
 def chosen(capture: Capture, split: str, cameras: str | None) -> list[Shot]:

@@ -93,7 +93,7 @@ def _check_size(source: Source, components: int) -> None:
     if source.splats > MAX_SPLATS:
         raise TooLargeError(f"{source.splats} splats are more than the {MAX_SPLATS} of an avatar")
     most = MAX_EXPANDED_BYTES // (_FRAME_BYTES * source.splats) - 1
-    if components > most:
+    if min(components, max(1, source.count - 1)) > most:  # frames have no more than that
         raise TooLargeError(f"{source.splats} splats can have {most} components at most; give --components {most}")
     needed, free = _FRAME_BYTES * source.splats * source.count, disk_usage(tempfile.gettempdir()).free
     if needed > 0.9 * free:

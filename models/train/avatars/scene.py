@@ -10,7 +10,7 @@ from torch import Tensor
 from ....render.diff.rasterize import rasterize
 from ....render.diff.tensors import GaussianTensors, RawTensors, activate
 from ...captures.headmotion import posed
-from ...captures.layout import Shot
+from ...captures.layout import Shot, Tracked
 from ...captures.reader import Capture
 from ...captures.texels import Texels
 from ..losses import psnr
@@ -37,9 +37,8 @@ class Scene:
         raw, residuals = self.avatar(moment, bare)
         return pose_head(raw, self._neck_weights, self._pivot, moment.rotation, moment.translation), residuals
 
-    def surface(self, timestep: int) -> NDArray[np.floating]:
-        """[N, 3] where the texels of the tracked mesh are, metres, in the world. Raises CaptureError."""
-        mesh = self.capture.tracked(timestep)
+    def surface(self, mesh: Tracked) -> NDArray[np.floating]:
+        """[N, 3] where the texels of a tracked mesh are, metres, in the world."""
         return posed(self.texels.spread(mesh.vertices), *self._neck, mesh.rotation, mesh.translation)
 
     def view(self, shot: Shot, background: Sequence[float] | None = None) -> View:

@@ -229,9 +229,10 @@ class Trainer:
         """What a step learns from: pictures of one moment, each over a background of its own."""
         shots, lot = self.deck.dealt(step), self.deck.lot(step, "ground")
         grounds = [lot.uniform(0, 1, 3).tolist() for _ in shots]
+        mesh = self.scene.capture.tracked(shots[0].timestep)  # here: what a capture keeps in memory is one thread's
 
         def read() -> Lesson:
-            surface = self.scene.surface(shots[0].timestep)
+            surface = self.scene.surface(mesh)
             seen = [torch.from_numpy(focus_map(self._regions, surface, shot.camera)) for shot in shots]
             views = [self.scene.view(*taken) for taken in zip(shots, grounds, strict=True)]
             return Lesson(shots[0].timestep, views, [focus.to(self.scene.device) for focus in seen])

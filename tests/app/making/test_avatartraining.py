@@ -1,5 +1,7 @@
 """The command `train`: what it refuses before anything starts, and what it tells."""
 
+import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -65,6 +67,24 @@ def test_a_capture_at_fault_is_named(capture: Path, tmp_path: Path, capsys: pyte
     assert code == ExitCode.INPUT
     assert "nowhere: is no folder" in error
     assert not (tmp_path / "run").exists()
+
+
+def test_a_room_that_is_taken_for_the_person_is_told(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    room = tmp_path / "room"
+    shutil.copytree(capture, room)
+    for name in ("train", "val", "test"):
+        listed = room / f"transforms_{name}.json"
+        told = json.loads(listed.read_text())
+        told["background"] = [0, 0.5, 0]  # it was taken before white
+        for frame in told["frames"]:
+            del frame["fg_mask_path"]
+        listed.write_text(json.dumps(told))
+    for words in (("train", room, "-o", tmp_path / "run", "--steps", 2, "--no-perceptual", "--maps", 64),
+                  ("distill", room, "-o", tmp_path / "bare.gem", "--components", 2, "--maps", 64)):  # fmt: skip
+        assert main([str(word) for word in words]) == ExitCode.OK
+        assert "has no mask, and what is behind the person is not #008000" in capsys.readouterr().err
 
 
 def test_without_its_weights_the_cure_is_told(

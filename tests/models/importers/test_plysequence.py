@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gemheads.models.gem import Gem
+from gemheads.models.gem import CHANNELS, Gem
+from gemheads.models.importers import adopt as adopting
 from gemheads.models.importers.adopt import adopt
 from gemheads.models.importers.foreign import ForeignFormatError
 from gemheads.models.importers.plysequence import open_sequence, ply_files
@@ -75,6 +76,17 @@ def test_centimetres_need_a_scale(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.ptp(source.rest.positions, axis=0), np.ptp(head().positions, axis=0), rtol=1e-4)
     np.testing.assert_allclose(source.rest.log_scales, head().log_scales, atol=1e-5)
     assert len(adopt(source, "Still", 5)[0].bases["position"]) == 0
+
+
+def test_components_that_few_frames_cannot_have_do_not_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    save_ply_sequence([head(0), head(1), head(2)], tmp_path)
+    source = open_sequence(tmp_path)
+    bytes_a_row = 4 * sum(CHANNELS.values()) * source.splats
+    monkeypatch.setattr(adopting, "MAX_EXPANDED_BYTES", bytes_a_row * (source.count + 1))
+    adopt(source, "Still", 50)
+    monkeypatch.setattr(adopting, "MAX_EXPANDED_BYTES", bytes_a_row * (source.count - 1))
+    with pytest.raises(adopting.TooLargeError, match="components at most"):
+        adopt(source, "Still", 50)
 
 
 def test_flat_splats_in_millimetres_stay_to_be_seen(tmp_path: Path) -> None:
