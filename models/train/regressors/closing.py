@@ -36,13 +36,22 @@ AT_ONCE = 1000
 class ClosedLoop:
     """Needs no labels of people: the avatar's response, which is known, says what its weights should have been."""
 
-    def __init__(self, network: RegressorNetwork, own: Person, people: Crowd) -> None:
-        """``own``: the avatar, whose weights are known; ``people``: whom to follow."""
+    def __init__(self, network: RegressorNetwork, own: Person, people: Crowd, resting: Crowd | None = None) -> None:
+        """
+        Args:
+            network: learns.
+            own: the avatar, whose weights are known.
+            people: whom to follow.
+            resting: moments in which nothing but the head moves; None takes those among the people.
+        """
         self._network, self._responses = network, (own.response, *own.doubters)
         self._wanted, self._known = torch.from_numpy(people.wanted), torch.from_numpy(own.seen.weights)
         self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
         self._people = network.inputs(*self._seen)
-        self._resting = torch.from_numpy(np.flatnonzero(people.resting))
+        rests = torch.from_numpy(np.flatnonzero(people.resting))
+        self._resting = tuple(array[rests] for array in self._people)
+        if resting is not None:
+            self._resting = network.inputs(torch.from_numpy(resting.features), torch.from_numpy(resting.rotations))
         self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.seen_rotations))
         still = torch.zeros(1, own.seen.weights.shape[1])
         self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
@@ -63,9 +72,9 @@ class ClosedLoop:
         inputs, start = (array[batch] for array in self._people)
         free = network.steered(inputs, start)
         loss = self._missed(free, start, self._wanted[batch], step % len(self._responses)).mean()
-        if len(self._resting):
-            rest = self._resting[torch.randint(len(self._resting), (BATCH // 2,))]
-            still = network.bounded(network.steered(*(array[rest] for array in self._people)))
+        if len(self._resting[0]):
+            rest = torch.randint(len(self._resting[0]), (BATCH // 2,))
+            still = network.bounded(network.steered(*(array[rest] for array in self._resting)))
             loss = loss + STILLNESS * (still**2).mean()
         known = torch.randint(len(self._known), (BATCH // 2,))
         labelled = network.steered(*(array[known] for array in self._own))

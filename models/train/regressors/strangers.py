@@ -82,10 +82,18 @@ def in_tolerances(features: Floats) -> Floats:
     return (features[:, channel_indices()] / channel_tolerances()).astype(np.float32)
 
 
-def crowd(people: Sequence[Person], others: Leaks, footage: Floats, count: int, rng: np.random.Generator) -> Crowd:
+def crowd(
+    people: Sequence[Person],
+    others: Leaks,
+    footage: Floats,
+    count: int,
+    rng: np.random.Generator,
+    by_pictures: bool = False,
+) -> Crowd:
     """``count`` moments of invented people.
 
-    Each is a picture of one of ``people``, its mouth another's, its channels multiplied by gains of their own, its
+    Each is a picture of one of ``people`` (all alike, or ``by_pictures`` in proportion to how many there are of each,
+    so that every picture is used as often), its mouth another's, its channels multiplied by gains of their own, its
     pose leak exchanged for that of one more head like the ``others``, with noise; a third of them are taken from
     ``footage`` [S, D + 3] (features and rotations of unlabelled real faces) where there is any, whose leak is taken to
     be the mean of the others'.
@@ -93,7 +101,8 @@ def crowd(people: Sequence[Person], others: Leaks, footage: Floats, count: int, 
     leaks = [pose_leak(person.seen) for person in people]
     fronts = [from_the_front(person) for person in people]
     sizes = [min(AT_ONCE, count - first) for first in range(0, count, AT_ONCE)]
-    parts = [_invented(people, leaks, fronts, others, footage, size, rng) for size in sizes]
+    turns = np.repeat(np.arange(len(people)), [len(person.seen) if by_pictures else 1 for person in people])
+    parts = [_invented(people, turns, leaks, fronts, others, footage, size, rng) for size in sizes]
     return Crowd(
         np.concatenate([part.features for part in parts]),
         np.concatenate([part.rotations for part in parts]),
@@ -104,6 +113,7 @@ def crowd(people: Sequence[Person], others: Leaks, footage: Floats, count: int, 
 
 def _invented(
     people: Sequence[Person],
+    turns: NDArray[np.int64],
     leaks: Sequence[Floats],
     fronts: Sequence[Floats],
     others: Leaks,
@@ -111,8 +121,9 @@ def _invented(
     count: int,
     rng: np.random.Generator,
 ) -> Crowd:
-    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``."""
-    which = rng.integers(len(people), size=count)
+    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``; ``turns`` are places in
+    ``people``, of which each is as likely."""
+    which = turns[rng.integers(len(turns), size=count)]
     features = np.empty((count, DIMENSION), np.float32)
     rotations, seen_rotations = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
     wanted = np.empty((count, len(channel_indices())), np.float32)

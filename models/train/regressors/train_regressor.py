@@ -29,7 +29,7 @@ from .leaks import Leaks
 from .network import RegressorNetwork
 from .reduction import Reduction, compared_channels
 from .rehearsal import answers_of, rehearse, remembered
-from .response import PORTRAIT, ResponseModel, Responses, fit_response, joined
+from .response import PORTRAIT, ResponseModel, Responses, at_rest, fit_response, joined
 from .series import LENGTH, Series, draw_series
 from .strangers import Crowd, Person, crowd, in_tolerances
 from .turns import PORTRAITS, learned_turns
@@ -37,6 +37,9 @@ from .turns import PORTRAITS, learned_turns
 CROWD = 120_000
 """Moments of invented people to follow, so many that a network that is trained three times as long does not learn them
 by heart: with 40,000 more steps followed the avatars better and people worse."""
+RESTS = 40_000
+"""Moments in which nothing but the head moves. The few among the others a network would learn by heart, and heads of
+strangers that turn would move its avatar."""
 JUDGING = 2000
 """The same held out of training."""
 REHEARSALS = 5
@@ -228,17 +231,28 @@ class _School:
     ) -> None:
         self._controls, self._cast, self._leaks, self._footage, self._rng = controls, cast, leaks, footage, rng
         self._crowd, self._judges = self.people(CROWD), self.people(JUDGING)
+        self._rests = self._resting(RESTS)
         self.reduction = compared_channels(np.concatenate([cast[0].seen.features, self._crowd.features[:8000]]))
 
     def people(self, count: int) -> Crowd:
-        """``count`` moments of invented people."""
-        return crowd(self._cast, self._leaks, self._footage, count, self._rng)
+        """``count`` moments of invented people.
+
+        Each picture as often as any other: there are many more of the avatar than of others, and what is shown over
+        and over again is learned by heart.
+        """
+        return crowd(self._cast, self._leaks, self._footage, count, self._rng, by_pictures=True)
+
+    def _resting(self, count: int) -> Crowd | None:
+        """``count`` moments of the same at rest; None where there is no picture of that."""
+        still = [replace(one, seen=one.seen.only(at_rest(one.seen.weights))) for one in self._cast]
+        still = [one for one in still if len(one.seen)]
+        return crowd(still, self._leaks, self._footage[:0], count, self._rng) if still else None
 
     def networks(
         self, steps: int, seeds: Sequence[int], progress: Progress, workers: Workers = ALONE
     ) -> list[RegressorNetwork]:
         """Networks, each trained from random numbers of its own."""
-        lessons = _Lessons(self._controls, self.reduction, self._cast[0], self._crowd)
+        lessons = _Lessons(self._controls, self.reduction, self._cast[0], self._crowd, self._rests)
         total = steps * len(seeds)
         return workers.each(
             _taught, [(lessons, steps, seed) for seed in seeds], lambda done: progress("regressor", done, total)
@@ -257,12 +271,13 @@ class _Lessons:
     reduction: Reduction
     avatar: Person
     people: Crowd
+    resting: Crowd | None
 
 
 def _taught(advance: Advance, lessons: _Lessons, steps: int, seed: int) -> RegressorNetwork:
     torch.manual_seed(seed)
     network = RegressorNetwork(lessons.reduction, lessons.controls)
-    loop = ClosedLoop(network, lessons.avatar, lessons.people)
+    loop = ClosedLoop(network, lessons.avatar, lessons.people, lessons.resting)
     descend(network, loop.loss, steps, lambda stage, done, total: advance())
     return network
 

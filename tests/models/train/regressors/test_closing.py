@@ -132,16 +132,18 @@ def test_a_face_that_moves_where_only_the_head_does_is_dear(
     nothing_read = np.where(people.resting[:, None], 0, people.features).astype("f4")
     assert people.resting.any()
 
-    def loss(price: float, resting: np.ndarray) -> float:
+    def loss(price: float, resting: np.ndarray, beside: Crowd | None = None) -> float:
         monkeypatch.setattr(closing, "STILLNESS", price)
         torch.manual_seed(0)
         people_there = replace(people, features=nothing_read, resting=resting)
-        return float(ClosedLoop(network, avatar, people_there).loss().detach())
+        return float(ClosedLoop(network, avatar, people_there, beside).loss().detach())
 
     dear = loss(7.0, people.resting) - loss(0.0, people.resting)
     assert dear == pytest.approx(7.0 * float(moved.square().mean()), rel=1e-3)
     nobody = np.zeros_like(people.resting)
     assert loss(7.0, nobody) == loss(0.0, nobody)
+    beside = replace(people, features=nothing_read * 0)
+    assert loss(7.0, nobody, beside) - loss(0.0, nobody, beside) == pytest.approx(dear, rel=1e-3)
 
 
 def test_every_response_judges_in_its_turn(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:

@@ -49,6 +49,18 @@ def test_a_crowd_invented_in_parts_is_as_large_and_as_varied(monkeypatch: pytest
     assert len(np.unique(people.features, axis=0)) == 200
 
 
+def test_every_picture_is_used_as_often_where_that_is_wanted() -> None:
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    many = linear_person(shapes, leak)
+    few = replace(many, seen=many.seen.only(np.arange(len(many.seen)) % 9 == 0))
+    told = replace(few, seen=replace(few.seen, seen_rotations=np.full_like(few.seen.rotations, 7)))
+    nobody = np.empty((0, DIMENSION + 3), "f4")
+    for by_pictures, share in ((False, 0.5), (True, len(few.seen) / (len(few.seen) + len(many.seen)))):
+        people = crowd([many, told], alone(many), nobody, 2000, np.random.default_rng(1), by_pictures)
+        assert abs((people.rotations == 7).all(1).mean() - share) < 0.05
+
+
 def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
     rng = np.random.default_rng(0)
     shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
