@@ -6,7 +6,7 @@
 # FOLDER (default: learned) gets everything; each stage leaves a picture there, and the last one a table. What is
 # finished is skipped; name stages to do these again. The whole takes less than half an hour on two cores.
 # At the paper's size, where an NVIDIA GPU and gsplat are (100000 steps take hours, 3000 some minutes):
-#   CAMERAS=16 SIZE=550x802 SPLIT=96+32 PRESET=full MAPS=256 STEPS=3000 COMPONENTS=50 examples/learn_an_avatar.sh large
+#   CAMERAS=16 SIZE=550x802 SPLIT=96+32 PRESET=full STEPS=3000 COMPONENTS=50 examples/learn_an_avatar.sh large
 # Your own capture instead of the synthetic one:  CAPTURE=/path/to/capture examples/learn_an_avatar.sh mine
 set -euo pipefail
 folder=${1:-learned}
@@ -19,8 +19,8 @@ python=${PYTHON:-$(dirname "$gemheads")/python3}
 
 # How much of everything; smaller is faster, and worse.
 cameras=${CAMERAS:-10} size=${SIZE:-256x256} split=${SPLIT:-48+16} noise=${NOISE:-1}
-preset=${PRESET:-tiny} maps=${MAPS:-128} steps=${STEPS:-2500} components=${COMPONENTS:-30}
-iterations=${ITERATIONS:-2000}
+preset=${PRESET:-tiny} steps=${STEPS:-2500} components=${COMPONENTS:-30} iterations=${ITERATIONS:-2000}
+maps=${MAPS:-$([ "$preset" = full ] && echo 256 || echo 128)} # the preset's own
 pictures=${PICTURES:-1500} lessons=${LESSONS:-3000} perceptual=${PERCEPTUAL:---perceptual} shots=${SHOTS:-24}
 network=${NETWORK:-vgg}
 

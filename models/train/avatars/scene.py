@@ -27,8 +27,9 @@ class Scene:
     def __init__(self, capture: Capture, texels: Texels, avatar: Avatar, device: torch.device) -> None:
         self.capture, self.texels, self.avatar, self.device = capture, texels, avatar, device
         self.moments = Moments(capture, texels, device)
-        self._neck = texels.spread(capture.template.neck_weights), capture.template.neck_pivot
-        self._neck_weights = torch.from_numpy(texels.spread(capture.template.neck_weights)).float().to(device)
+        weights = texels.spread(capture.template.neck_weights)
+        self._neck = weights, capture.template.neck_pivot
+        self._neck_weights = torch.from_numpy(weights).float().to(device)
         self._pivot = torch.from_numpy(np.array(capture.template.neck_pivot, np.float32)).to(device)
 
     def splats(self, timestep: int, bare: bool = False) -> tuple[RawTensors, Residuals]:

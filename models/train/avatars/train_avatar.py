@@ -225,7 +225,7 @@ class Trainer:
         else:
             self._stumble()
 
-    def _dealt(self, step: int) -> Callable[[], "Lesson"]:
+    def _dealt(self, step: int) -> Callable[[], Lesson]:
         """What a step learns from: pictures of one moment, each over a background of its own."""
         shots, lot = self.deck.dealt(step), self.deck.lot(step, "ground")
         grounds = [lot.uniform(0, 1, 3).tolist() for _ in shots]

@@ -101,8 +101,8 @@ def crowd(
     leaks = [pose_leak(person.seen) for person in people]
     fronts = [from_the_front(person) for person in people]
     sizes = [min(AT_ONCE, count - first) for first in range(0, count, AT_ONCE)]
-    turns = np.repeat(np.arange(len(people)), [len(person.seen) if by_pictures else 1 for person in people])
-    parts = [_invented(people, turns, leaks, fronts, others, footage, size, rng) for size in sizes]
+    whose = np.repeat(np.arange(len(people)), [len(person.seen) if by_pictures else 1 for person in people])
+    parts = [_invented(people, whose, leaks, fronts, others, footage, size, rng) for size in sizes]
     return Crowd(
         np.concatenate([part.features for part in parts]),
         np.concatenate([part.rotations for part in parts]),
@@ -113,7 +113,7 @@ def crowd(
 
 def _invented(
     people: Sequence[Person],
-    turns: NDArray[np.int64],
+    whose: NDArray[np.int64],
     leaks: Sequence[Floats],
     fronts: Sequence[Floats],
     others: Leaks,
@@ -121,9 +121,9 @@ def _invented(
     count: int,
     rng: np.random.Generator,
 ) -> Crowd:
-    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``; ``turns`` are places in
+    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``; ``whose`` are places in
     ``people``, of which each is as likely."""
-    which = turns[rng.integers(len(turns), size=count)]
+    which = whose[rng.integers(len(whose), size=count)]
     features = np.empty((count, DIMENSION), np.float32)
     rotations, seen_rotations = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
     wanted = np.empty((count, len(channel_indices())), np.float32)
