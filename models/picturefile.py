@@ -1,6 +1,7 @@
 """Decoding pictures of unknown origin, after a look at what they claim."""
 
 import struct
+from collections.abc import Iterator
 
 import cv2
 import numpy as np
@@ -18,8 +19,8 @@ _KINDS = (_PNG, b"\xff\xd8\xff", b"RIFF", b"BM", b"II*\0", b"MM\0*")
 def decode_picture(data: bytes, flags: int = cv2.IMREAD_COLOR_RGB) -> NDArray[np.generic] | None:
     """What ``cv2.imdecode`` makes of a file's bytes; None for all that is no sound picture of at most MAX_PIXELS.
 
-    Where colours alone are asked for, a PNG with alpha is laid on white: what colours there are where nothing is to be
-    seen is anybody's guess.
+    Where colours alone are asked for, a PNG or WebP with alpha is laid on white: what colours there are where nothing is
+    to be seen is anybody's guess.
     """
     if not data.startswith(_KINDS) or (data.startswith(_PNG) and not _is_sound_png(data)):
         return None
@@ -32,8 +33,14 @@ def decode_picture(data: bytes, flags: int = cv2.IMREAD_COLOR_RGB) -> NDArray[np
 
 
 def _has_alpha(data: bytes) -> bool:
-    """By the kind of colour that a PNG's first chunk says: grey or RGB, each with alpha."""
-    return data.startswith(_PNG) and len(data) > _KIND_OF_COLOUR and data[_KIND_OF_COLOUR] in (4, 6)
+    """A PNG says so by its kind of colour, grey or RGB with alpha, or names a transparent colour or shade; a WebP in
+    the header of what it extends or, without loss, of its one picture."""
+    if data.startswith(_PNG):
+        kinds = [kind for kind, _ in _chunks(data)]
+        return data[_KIND_OF_COLOUR : _KIND_OF_COLOUR + 1] in (b"\4", b"\6") or b"tRNS" in kinds
+    form, flags = data[8:16], data[20:25]
+    extended = form == b"WEBPVP8X" and flags[:1] != b"" and bool(flags[0] & 0x10)
+    return extended or (form == b"WEBPVP8L" and len(flags) == 5 and bool(flags[4] & 0x10))
 
 
 def _on_white(picture: NDArray[np.generic]) -> NDArray[np.uint8]:
@@ -45,9 +52,8 @@ def _on_white(picture: NDArray[np.generic]) -> NDArray[np.uint8]:
 
 def _is_sound_png(data: bytes) -> bool:
     """Whether all its chunks lie within the file: OpenCV 5.0 takes gigabytes and 20 s for one that claims not to."""
-    at = len(_PNG)
-    while at + 12 <= len(data):
-        length, kind = struct.unpack_from(">I4s", data, at)
+    for kind, at in _chunks(data):
+        length = struct.unpack_from(">I", data, at)[0]
         if length > len(data) - at - 12:
             return False
         if kind == b"IHDR":
@@ -58,5 +64,13 @@ def _is_sound_png(data: bytes) -> bool:
                 return False
         if kind == b"IEND":
             return True
-        at += 12 + length
     return False
+
+
+def _chunks(data: bytes) -> Iterator[tuple[bytes, int]]:
+    """Kinds and places of a PNG's chunks, as far as they say how long they are."""
+    at = len(_PNG)
+    while at + 12 <= len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        yield kind, at
+        at += 12 + length

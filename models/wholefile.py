@@ -3,6 +3,7 @@
 import hashlib
 import os
 import stat
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from io import BufferedReader
@@ -21,7 +22,7 @@ def write_whole(path: Path, parts: Iterable[Any]) -> None:
     ``path`` is still there.
     """
     path = behind_links(path)
-    aside = path.with_name(f"{_begin(path)}{os.getpid()}{_END}")
+    aside = path.with_name(f"{_begin(path)}{whose()}{_END}")
     try:
         with aside.open("wb") as file:
             for part in parts:
@@ -33,6 +34,11 @@ def write_whole(path: Path, parts: Iterable[Any]) -> None:
         with suppress(OSError):
             aside.unlink()
         raise
+
+
+def whose() -> str:
+    """Tells this thread of this process from all others, in the name of what is not whole yet."""
+    return f"{os.getpid()}-{threading.get_ident()}"
 
 
 def partials_of(path: Path) -> list[Path]:
@@ -60,7 +66,7 @@ def behind_links(path: Path) -> Path:
 
 def _begin(path: Path) -> str:
     """How the name of a file begins that is not whole yet: where its own leaves no room, with what stands for that."""
-    room = LONGEST_NAME - len(f"..{2**22}{_END}")
+    room = LONGEST_NAME - len(f"..{2**22}-{2**64}{_END}")
     name = os.fsencode(path.name)
     return f".{path.name if len(name) <= room else hashlib.sha256(name).hexdigest()[:32]}."
 

@@ -46,6 +46,8 @@ class Drawn:
     """What is seen for the first time in it."""
     secs: float
     """How long drawing took."""
+    whole: bool
+    """Whether nothing of it was left out because the machine is slow."""
 
     def behind_the_curtain(self) -> "Drawn":
         """The same with nothing of the avatar in it."""
@@ -176,6 +178,7 @@ class OnStage:
         self._drawn, self._drawn_at, self._used = drawn, now, quality.components
         driven = self.shot.pose if self.shot is not None else Pose(gem.rest_coefficients, NO_SHIFT)
         pose = explore.posed(gem, driven, state, now)
+        whole = quality.scale == 1 and quality.components >= state.used_components
 
         def paint() -> Drawn:
             started = time.perf_counter()
@@ -183,7 +186,8 @@ class OnStage:
             if state.compare and not state.curtain:
                 preview = painter.comparison(pose, state, picture)
             secs = time.perf_counter() - started
-            return Drawn(picture, preview, None if state.curtain else pose, avatar.sha256, shot, secs)
+            shown = None if state.curtain else pose
+            return Drawn(picture, preview, shown, avatar.sha256, shot, secs, whole)
 
         self._drawing.begin(paint, here=painter.engine.bound)
 

@@ -51,6 +51,7 @@ class Painter:
         """PSNR of the last comparison."""
         self._stage: Stage | None = None
         self._whole: Stage | None = None
+        self._gem: Gem | None = None
         self._key: tuple[object, ...] = ()
 
     def picture(self, gem: Gem, pose: Pose, state: DeskState, components: int, scale: float = 1.0) -> Image:
@@ -76,13 +77,13 @@ class Painter:
     def _staged(self, gem: Gem, state: DeskState, components: int, scale: float) -> Stage:
         """The stage of the frame before, unless something on it changed."""
         width, height = (max(16, round(side * scale / 2) * 2) for side in self.size)
-        key = (id(gem), components, width, height, state.yaw, state.pitch, state.zoom, state.background)
+        key = (components, width, height, state.yaw, state.pitch, state.zoom, state.background)
         key = (*key, state.exposure, state.warmth)
-        if self._stage is None or key != self._key:
+        if self._stage is None or gem is not self._gem or key != self._key:
             camera, background = camera_of(gem, state, width, height), ground(state.background)
             self._whole = Stage(_lit(gem, state), self.engine, camera, background, self.watch)
             self._stage = replace(self._whole, components=min(components, gem.components))
-            self._key = key
+            self._gem, self._key = gem, key
         return self._stage
 
 

@@ -33,8 +33,8 @@ void main() {
     // a chequerboard shows through what is transparent
     vec2 square = floor((gl_FragCoord.xy - corner_px) / square_px);
     vec3 ground = mix(vec3(0.29), vec3(0.36), mod(square.x + square.y, 2.0));
-    vec4 over = texture(picture, at);
-    colour = vec4(mix(ground, over.rgb, over.a), 1.0);
+    vec4 over = texture(picture, at);  // premultiplied, or what is between pixels takes colour from transparent ones
+    colour = vec4(over.rgb + ground * (1.0 - over.a), 1.0);
 }
 """
 SQUARE_PX = 12.0
@@ -88,9 +88,7 @@ class PictureOnScreen:
             texture = self._texture = self._context.texture((width, height), 4)
             texture.repeat_x = texture.repeat_y = False
         # four bytes a pixel, as textures are kept: a driver takes many times as long to fill up three
-        texture.write(
-            np.ascontiguousarray(picture) if self._channels == 4 else cv2.cvtColor(picture, cv2.COLOR_RGB2RGBA)
-        )
+        texture.write(cv2.cvtColor(picture, cv2.COLOR_RGBA2mRGBA if self._channels == 4 else cv2.COLOR_RGB2RGBA))
 
     def draw(self, place: Area, screen: tuple[int, int], mirrored: bool) -> None:
         """Draw what was put last into a part of the bound framebuffer of ``screen`` pixels; nothing before that."""

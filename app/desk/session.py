@@ -31,8 +31,6 @@ REPEAT_SECS = 0.25
 """Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
 so do sound and the safety of a recording."""
 TRANSPORT = ("play", "step", "seek")
-SAVING_SECS = 1.0
-"""For so long pictures are drawn whole after one was asked for: the next one that comes is saved."""
 LADDER_OFF = "Quality stays as it is, however slow the machine."
 NO_FACE = "There is no picture to take a face at rest from: choose your camera, a video or pictures first."
 NO_ROOM = "The window is too narrow for the panels: make it wider, or letters smaller (Ctrl+-). F10 is the menu."
@@ -72,7 +70,7 @@ class Session:
         self._toasts: list[tuple[float, Toast]] = []
         self._shown_at, self._lowered = 0.0, ""
         self._ended: dict[str, str] = {}
-        self._whole_until = float("-inf")
+        self._saving = False
         for complaint in keymap.conflicts:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
@@ -123,8 +121,8 @@ class Session:
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
-        every = REPEAT_SECS if self.outputs.fan.listening else float("inf")
-        self.stage.draw(self.state, self._quality(now), shot, now, every)
+        every = REPEAT_SECS if self.outputs.fan.listening or self._saving else float("inf")
+        self.stage.draw(self.state, self._quality(), shot, now, every)
 
     def drawn(self) -> Drawn | None:
         """The picture that was begun, once, when it is done; nothing of the avatar where the curtain fell meanwhile."""
@@ -132,7 +130,13 @@ class Session:
         return drawn.behind_the_curtain() if drawn is not None and self.state.curtain else drawn
 
     def offer(self, drawn: Drawn, now: float) -> None:
-        """Give the outputs a picture; behind the curtain no coefficients go with it."""
+        """Give the outputs a picture; behind the curtain no coefficients go with it.
+
+        One that was asked for is saved when it comes whole: on a slow machine a smaller one may be under way.
+        """
+        if self._saving and drawn.whole:
+            self._saving = False
+            self.outputs.picture()
         self.outputs.fan.offer(drawn.picture, now, drawn.pose, drawn.avatar if drawn.pose is not None else "")
 
     def due(self, now: float) -> bool:
@@ -200,11 +204,11 @@ class Session:
         if self.remote is not None:
             self.remote.close()
 
-    def _quality(self, now: float) -> Quality:
+    def _quality(self) -> Quality:
         """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is."""
         transport, exploring = self.driving.transport, self.state.exploring
         still = self.state.frozen or (transport is not None and not transport.playing)
-        whole = (still and not (exploring.on and exploring.sweep)) or now < self._whole_until
+        whole = (still and not (exploring.on and exploring.sweep)) or self._saving
         return Quality(self._components) if whole else self.gauges.quality(self._components)
 
     @property
@@ -232,8 +236,7 @@ class Session:
         elif name == "relock":
             self.driving.relock()
         elif name == "picture":
-            self._whole_until = time.perf_counter() + SAVING_SECS
-            self.outputs.picture()
+            self._saving = True
         elif name == "neutral" and self.state.resting and not self.driving.health.pictured:
             self.state = replace(self.state, resting=False)
             self.tell(NO_FACE, topic="neutral")

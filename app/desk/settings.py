@@ -80,7 +80,8 @@ def save_settings(settings: Settings, path: Path) -> str:
     }
     lines = ["# What `gemheads live` remembers. Delete this file to start afresh."]
     for section, values in sections.items():
-        lines += ["", f"[{section}]", *(f"{_key(name)} = {_toml(value)}" for name, value in sorted(values.items()))]
+        told = (f"{_key(name)} = {_toml(value)}" for name, value in sorted(values.items()) if _sayable(value))
+        lines += ["", f"[{section}]", *told]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, ["\n".join([*lines, ""]).encode()])
@@ -136,12 +137,22 @@ def _put_aside(path: Path) -> str:
 
 def _key(name: str) -> str:
     """What a person wrote may be no bare key."""
-    return name if re.fullmatch("[A-Za-z0-9_-]+", name) else json.dumps(name)
+    return name if re.fullmatch("[A-Za-z0-9_-]+", name) else _quoted(name)
+
+
+def _sayable(value: object) -> bool:
+    """TOML is UTF-8; names of files and cameras may be any bytes, which Python keeps as surrogates."""
+    return not isinstance(value, str) or not re.search("[\ud800-\udfff]", value)
+
+
+def _quoted(text: str) -> str:
+    """A TOML basic string: JSON's, but for the one control character that JSON leaves as it is."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _toml(value: object) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     if isinstance(value, str):
-        return json.dumps(value)  # a JSON string is a TOML basic string
+        return _quoted(value)
     return str(value).lower() if isinstance(value, bool) else repr(value)

@@ -22,6 +22,7 @@ from ..performing.performance import Pose
 from ..performing.presence import Phase, update
 from ..performing.shots import Observed, Shot
 from ..person.following import (
+    FACES_EVERY_SECS,
     Actor,
     Memory,
     Tracker,
@@ -32,7 +33,7 @@ from ..person.following import (
 )
 from ..person.hints import HARD_TO_READ, Hints, Sign, signs_of, update_hints
 from ..person.seeing import lock_next, observe, sketch_of
-from ..person.settling import Settling, settle
+from ..person.settling import Settling, go_over, settle
 from ..person.tuning import Tuning, actor_for
 
 _TICK = Fraction(1, 1_000_000)
@@ -55,13 +56,12 @@ class Acting:
         self._serial = 0
         self._wall = clock()
         self._source_secs: float | None = None
-        self._shape: tuple[int, ...] = ()
         self._face: FaceObservation | None = None
         self._weights: WeightsFrame | None = None
         self._posed: PoseFrame | None = None
         """The last moment of a track, whichever avatar it is for."""
         self._relock = False
-        self._passed_by = 0
+        self._passed_by = self._failed_before = 0
         self.settling = Settling()
         """The neutral."""
         self.hints = Hints()
@@ -76,17 +76,24 @@ class Acting:
 
     @property
     def unusable(self) -> int:
-        """Expressions with a value that is not finite; the last good one stayed."""
-        failures = sum(express.failures for express in self._known.values() if isinstance(express, Regressor))
-        return self._memory.unusable + failures
+        """Expressions of this source with a value that is not finite; the last good one stayed."""
+        return self._memory.unusable + self._failures - self._failed_before
+
+    @property
+    def _failures(self) -> int:
+        """Of all regressors, whatever the source was."""
+        return sum(express.failures for express in self._known.values() if isinstance(express, Regressor))
 
     def begin(self) -> None:
         """Another source: nothing of the one before counts but the expression, from which the avatar eases."""
         self._tracker.reset()
-        self._memory = replace(self._memory, box=None, thumbnail=None, faces=0)
-        self.settling, self.hints, self.phase = Settling(), Hints(), Phase.SEARCHING
+        forgotten = replace(self._memory, box=None, thumbnail=None, faces=0, unusable=0)
+        self._memory = replace(forgotten, counted_at=-FACES_EVERY_SECS)
+        self.settling, self.phase = Settling(), Phase.SEARCHING
+        self._hint(Hints())
         self._source_secs = self._face = self._weights = self._posed = None
         self._relock = False
+        self._failed_before = self._failures
 
     def resume(self) -> None:
         """The same source after it was gone: its time may begin anew, and the scene may have changed."""
@@ -157,10 +164,10 @@ class Acting:
         self._face, self._weights, self.phase = None, given, Phase.TRACKING
         self._advance(dt, seen=True)
         self._pass(given.seconds, started)
-        before = replace(self._memory, expression=None, turn=None) if exact else self._memory
+        before = _fresh(self._memory) if exact else self._memory
         self._memory = replace(take_on(self._actor, before, self._of_weights(given), dt), faces=1)
         self._memory, pose = act(self._actor, self._memory, seen=True)
-        self.hints = Hints()
+        self._hint(Hints())
         return self._shot(pose, started, given.seconds, stages={"express": self._clock() - started})
 
     def pose(self, given: PoseFrame) -> Shot | None:
@@ -209,12 +216,13 @@ class Acting:
             return self._exactly(self._posed, started)
         if self._face is not None:
             gone_over = FOR_GOOD if exact else 0.0
-            self.settling = settle(self.settling, self._face, now, gone_over, self._tuning.neutral_strength)
-            fresh = replace(memory, expression=None, turn=None)
-            memory = replace(follow(self._with_neutral(), fresh, self._face, 0.0), box=memory.box)
+            if self.settling.reason:  # this face was looked at before, and counts once
+                self.settling = go_over(self.settling, gone_over, self._tuning.neutral_strength)
+            else:
+                self.settling = settle(self.settling, self._face, now, gone_over, self._tuning.neutral_strength)
+            memory = replace(follow(self._with_neutral(), _fresh(memory), self._face, 0.0), box=memory.box)
         elif self._weights is not None:
-            fresh = replace(memory, expression=None, turn=None)
-            memory = take_on(self._actor, fresh, self._of_weights(self._weights), 0.0)
+            memory = take_on(self._actor, _fresh(memory), self._of_weights(self._weights), 0.0)
         self._memory, pose = act(self._actor, memory, followed)
         return self._shot(pose, started, now, stages={"express": self._clock() - started})
 
@@ -258,16 +266,12 @@ class Acting:
         self._memory = replace(memory, attention=attention, seconds=seconds)
 
     def _prepared(self, rgb: NDArray[np.uint8], live: bool, exact: bool) -> Memory:
-        """The memory as it counts for this picture: other sizes, single frames and another face to follow."""
+        """The memory as it counts for this picture: single frames and another face to follow."""
         memory = self._memory
         if live:
             memory = replace(memory, thumbnail=None)
         if exact:
-            memory = replace(memory, expression=None, turn=None)
-        if rgb.shape != self._shape:
-            if self._shape:
-                self._tracker.reset()
-            self._shape, memory = rgb.shape, replace(memory, box=None, thumbnail=None)
+            memory = _fresh(memory)
         if self._relock:
             self._relock = False
             other = lock_next(self._tracker, rgb, memory.box)
@@ -285,8 +289,12 @@ class Acting:
                 signs.add("settling")
         if rate is not None:
             signs.add("slow")
-        before, self.hints = self.hints, update_hints(self.hints, signs, dt)
-        if HARD_TO_READ & set(before.shown) != HARD_TO_READ & set(self.hints.shown):
+        self._hint(update_hints(self.hints, signs, dt))
+
+    def _hint(self, hints: Hints) -> None:
+        """What is said from now on of how the driver is seen; one who is hard to read is followed more smoothly."""
+        before, self.hints = self.hints, hints
+        if HARD_TO_READ & set(before.shown) != HARD_TO_READ & set(hints.shown):
             self._actor = self._dressed(self._avatar)
 
     def _shot(
@@ -301,3 +309,8 @@ class Acting:
         self._serial += 1
         ready, avatar = self._clock(), self._avatar.sha256
         return Shot(self._serial, pose, avatar, delivered, ready, source_secs, sketch, observed, stages or {})
+
+
+def _fresh(memory: Memory) -> Memory:
+    """Without the past that eases into what is shown."""
+    return replace(memory, expression=None, turn=None, misread=None)

@@ -31,6 +31,8 @@ QUIET_PAUSES, MOST_QUIET_SECS = 1.5, 1.5
 """... and so is one up to so many times as long as the pause before, but for so many seconds at most: in a dark room a
 camera takes its time."""
 RATE_SECS = 2.0
+TOLD_SECS = 4.0
+"""What could not be done is told for so long, whatever is seen meanwhile."""
 SILENT_SECS = 1.0
 """Face data that does not come for so long has stopped."""
 _PHASES: dict[Phase, SourcePhase] = {
@@ -73,6 +75,7 @@ class Loop:
         """Of the source, see ``Health.serial``."""
         self._open_before = False
         self._trouble: tuple[str, str] = ("", "")
+        self._told_until = float("-inf")
         self._shot_at = self._delivered_at = self._used_at = clock()
         self._pause_secs = 0.0
         """Between the last two deliveries that were used."""
@@ -100,9 +103,9 @@ class Loop:
         try:
             self.acting.cast(avatar)
         except CommandError as error:
-            self._trouble = (str(error), "Choose another avatar.")
+            self._refuse(str(error), "Choose another avatar.")
             return
-        self._trouble = ("", "")
+        self._trouble, self._told_until = ("", ""), float("-inf")
         self.shots.put(self.acting.again(self._paused))
 
     def changed(self) -> None:
@@ -155,7 +158,10 @@ class Loop:
             wish()
         except Exception as error:  # a wish that cannot be granted must not end the show
             _log.exception("a wish could not be granted")
-            self._trouble = (f"That could not be done ({error}).", "")
+            self._refuse(f"That could not be done ({error}).", "")
+
+    def _refuse(self, message: str, cure: str) -> None:
+        self._trouble, self._told_until = (message, cure), self._clock() + TOLD_SECS
 
     def _wait(self, seconds: float) -> None:
         self._wished.wait(seconds)
@@ -184,7 +190,8 @@ class Loop:
         else:
             if shot is not None:
                 self._frames += 1
-                self._trouble = ("", "")
+                if now >= self._told_until:
+                    self._trouble = ("", "")
             return shot
         self._failed += 1
         return None
@@ -207,10 +214,12 @@ class Loop:
         return shot
 
     def _rate(self, now: float) -> float:
-        """Deliveries a second, over the last RATE_SECS."""
+        """Deliveries a second, over the last RATE_SECS, or since the first."""
         while self._arrivals and now - self._arrivals[0] > RATE_SECS + 0.5:
             self._arrivals.popleft()
-        return sum(now - arrival <= RATE_SECS for arrival in self._arrivals) / RATE_SECS
+        if not self._arrivals or (since := now - self._arrivals[0]) >= RATE_SECS:
+            return sum(now - arrival <= RATE_SECS for arrival in self._arrivals) / RATE_SECS
+        return (len(self._arrivals) - 1) / since if since > 0 else 0.0
 
     def _examined(self, now: float) -> Health:
         link, acting = self.link, self.acting

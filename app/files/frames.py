@@ -26,6 +26,11 @@ class Frame:
         return float(self.pts * self.time_base)
 
 
+def spread(total: int, count: int) -> list[int]:
+    """Up to ``count`` of the numbers below ``total``, from 0 on, as evenly as they go."""
+    return sorted({place * total // count for place in range(count)}) if total else []
+
+
 THUMBNAIL_SIDE = 32
 LUMA = np.array([0.299, 0.587, 0.114], np.float32) / np.float32(255)
 """Of RGB bytes, in [0, 1]."""

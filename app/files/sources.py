@@ -16,7 +16,7 @@ from ...models.picturefile import decode_picture
 from ...models.videopicture import LONGEST_SIDE
 from ...models.wholefile import open_ordinary
 from ..errors import InputError
-from .frames import Frame
+from .frames import Frame, spread
 from .video import VideoFile, check_sides
 
 IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff"})
@@ -83,8 +83,8 @@ class Images:
 
     def samples(self, count: int) -> list[Frame]:
         """Up to ``count`` pictures, evenly spread."""
-        chosen = np.unique(np.linspace(0, len(self.files) - 1, count).round().astype(int))
-        return [Frame(self._read(self.files[i]), int(i), self.time_base, number=int(i)) for i in chosen]
+        chosen = spread(len(self.files), count)
+        return [Frame(self._read(self.files[i]), i, self.time_base, number=i) for i in chosen]
 
     def _read(self, file: Path) -> NDArray[np.uint8]:
         image = read_image(file)

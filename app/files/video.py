@@ -15,7 +15,7 @@ from ...models.mediafile import decoded, duration_of, main_video, open_media, pi
 from ...models.videopicture import upright_rgb
 from ..errors import InputError
 from .audio import sound_track
-from .frames import Frame
+from .frames import Frame, spread
 
 WITHOUT_PTS = ("avi",)
 """Containers that say only when pictures are decoded, not when they are shown: of pictures that are stored in another
@@ -88,19 +88,19 @@ class VideoFile:
     def _evenly(self, count: int) -> list[Frame]:
         """By decoding from the beginning, converting only what is kept."""
         expected = min(self.frame_count or WHOLE_CLIP_FRAMES, WHOLE_CLIP_FRAMES)
-        frames, decoded_count = self._every(max(1, expected // count), count)
+        frames, decoded_count = self._numbered(spread(expected, count))
         if len(frames) < min(FEWEST_SAMPLES, count, decoded_count):  # fewer came than the file says, or it says nothing
-            frames, _ = self._every(max(1, decoded_count // count), count)
+            frames, _ = self._numbered(spread(decoded_count, count))
         return frames
 
-    def _every(self, step: int, count: int) -> tuple[list[Frame], int]:
-        """The first of each ``step`` frames, ``count`` at most, and how many were decoded for them."""
+    def _numbered(self, numbers: list[int]) -> tuple[list[Frame], int]:
+        """The frames of these numbers as far as there are such, and how many were decoded for them."""
         frames: list[Frame] = []
-        index = -1
+        wanted, index = set(numbers), -1
         for index, (picture, pts) in enumerate(self._timed()):
-            if index % step == 0:
+            if index in wanted:
                 frames.append(replace(self._frame(picture, pts), number=index))
-                if len(frames) == count:
+                if len(frames) == len(wanted):
                     break
         return frames, index + 1
 

@@ -12,7 +12,7 @@ import av
 from ...models.mediafile import decoded, duration_of, pixel_aspect_of, rate_of
 from ...models.videopicture import upright_rgb
 from ..files.frames import Frame
-from ..files.video import open_container, video_stream
+from ..files.video import WITHOUT_PTS, open_container, video_stream
 from .source import Kind, SourceLost, TimedFrame
 from .transport import Playhead
 
@@ -21,6 +21,8 @@ MOST_AT_ONCE = 8
 LONGEST_SECS = 24 * 3600.0
 """Stands for a duration that the file does not tell."""
 _EARLY_SECS = 1e-4
+_FURTHER_SECS = 1.0
+"""So much further back a file is sent that was sent back and came out behind; twice as far each time."""
 
 
 class VideoPlayer:
@@ -35,11 +37,9 @@ class VideoPlayer:
         self._path, self._clock = path, clock
         self.drops = 0
         self._open()
-        self._frame_secs = 1 / float(rate_of(self._stream))
         duration = float(duration_of(self._container, self._stream) or LONGEST_SECS)
         self.transport = Playhead(duration, self._frame_secs, clock=clock)
         self._jumps = self.transport.jumps
-        self._last_secs = -self._frame_secs
 
     def read(self, timeout: float) -> Frame | None:
         """The frame that is due now; None before it, and while paused. Raises SourceLost when it breaks off."""
@@ -64,9 +64,12 @@ class VideoPlayer:
         self._tick = self._stream.time_base or Fraction(1, 1000)
         self._start = self._stream.start_time or 0
         self._pixel_aspect = pixel_aspect_of(self._stream)
+        self._frame_secs = 1 / float(rate_of(self._stream))
+        self._untold = self._container.format.name in WITHOUT_PTS
+        self._late: int | None = None
         self._pictures: Iterator[av.VideoFrame] = decoded(self._container, self._stream)
         self._next: tuple[float, av.VideoFrame] | None = None
-        self._last_secs = -1.0
+        self._last_secs = -self._frame_secs
 
     def _due(self) -> Frame | None:
         position = self.transport.position
@@ -94,25 +97,53 @@ class VideoPlayer:
         key frame before it."""
         self._go_before(position)
         found = None
-        latest = position + float(self._tick) + _EARLY_SECS
+        latest = self._latest(position)
         while (ahead := self._peek()) is not None and (found is None or ahead[0] <= latest):
             found = self._take(ahead)
         return self._frame(found) if found else None
 
     def _go_before(self, position: float) -> None:
+        """Goes on decoding at or before a position.
+
+        Transport streams and FLV come out behind where they are sent: they are sent further and further back, and
+        files that cannot be sought, or do not tell times, are decoded from their beginning.
+        """
+        latest = self._latest(position)
+        target, back = position, _FURTHER_SECS
+        while self._sought(target):
+            ahead = self._peek()
+            if ahead is not None and ahead[1].pts is not None and ahead[0] <= latest:
+                return
+            if target <= 0:
+                break
+            target, back = position - back, 2 * back
+        with suppress(av.error.FFmpegError):
+            self._container.close()
+        self._open()
+
+    def _latest(self, position: float) -> float:
+        """What a position is as told in ticks; one of AVI is as long as a frame."""
+        return position + min(float(self._tick), self._frame_secs / 2) + _EARLY_SECS
+
+    def _sought(self, position: float) -> bool:
+        """Whether the file goes there, or to where its index takes it for."""
+        self._next = None
         try:
             target = self._start + int(max(0.0, position) / float(self._tick))
             self._container.seek(target, stream=self._stream)
-        except av.error.FFmpegError:  # a file that cannot be sought is decoded from its beginning instead
-            with suppress(av.error.FFmpegError):
-                self._container.close()
-            self._open()
+        except av.error.FFmpegError:
+            return False
         self._pictures = decoded(self._container, self._stream)
-        self._next = None
+        return True
 
     def _peek(self) -> tuple[float, av.VideoFrame] | None:
         """The next frame and its time from the beginning, still unread; None at the end."""
         if self._next is None and (picture := next(self._pictures, None)) is not None:
+            if self._untold and picture.dts is not None:
+                self._late = picture.dts - self._start if self._late is None else self._late
+                picture.pts = picture.dts - self._late
+            elif self._untold:
+                picture.pts = None
             pts = picture.pts
             seconds = self._last_secs + self._frame_secs if pts is None else float((pts - self._start) * self._tick)
             self._next = (seconds, picture)

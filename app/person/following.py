@@ -118,7 +118,7 @@ def look(tracker: Tracker, before: Memory, frame: Frame) -> tuple[Memory, Look]:
     cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
     if cut:
         tracker.reset()
-        before = replace(before, box=None, expression=None, turn=None, misread=None)
+        before = replace(before, box=None, expression=None, turn=None, misread=None, counted_at=-FACES_EVERY_SECS)
     face = tracker.track(frame.rgb, locked_box(before, dt))
     attention = update(before.attention, face is not None, dt)
     return replace(before, attention=attention, seconds=now, thumbnail=view), Look(face, dt, cut)

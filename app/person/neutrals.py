@@ -114,17 +114,30 @@ def _kept(camera: str) -> NeutralChoice:
 def _chosen(source: Source, tracker: FaceTracker, sheet: Path | None) -> NeutralChoice:
     frames = source.samples(SAMPLES)
     faces = [_look_twice(tracker, frame) for frame in frames]
-    if not any(faces):  # perhaps somebody comes between the samples
-        for frame in source.frames():
-            if (face := tracker.track(frame.rgb)) is not None:
-                return neutral_of(face, 0, frame.seconds, "the only moment with a face among those looked at")
-        raise NoFaceError(
-            f"{source.path}: no face in the whole clip; give one where a face fills a tenth of the height or more"
-        )
+    if not any(faces):
+        frames, faces = _between(source, tracker)
     choice = choose_neutral(faces, [frame.seconds for frame in frames], [frame.number for frame in frames])
     if sheet is not None:
         write_png(contact_sheet(choice.candidates, frames, faces), sheet)
     return choice
+
+
+def _between(source: Source, tracker: FaceTracker) -> tuple[list[Frame], list[FaceObservation | None]]:
+    """The first frames with a face, for somebody who comes and goes between samples; up to SAMPLES, each with its
+    number."""
+    frames: list[Frame] = []
+    faces: list[FaceObservation | None] = []
+    for number, frame in enumerate(source.frames()):
+        if (face := tracker.track(frame.rgb)) is not None:
+            frames.append(replace(frame, number=number))
+            faces.append(face)
+            if len(faces) == SAMPLES:
+                break
+    if not faces:
+        raise NoFaceError(
+            f"{source.path}: no face in the whole clip; give one where a face fills a tenth of the height or more"
+        )
+    return frames, faces
 
 
 def _given(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralChoice:

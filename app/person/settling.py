@@ -59,10 +59,14 @@ def settle(before: Settling, face: FaceObservation, now: float, dt: float, stren
 
     ``strength``: how much of the neutral that was given counts, the automatic one counts for the rest.
     """
-    after = before if before.final else _collected(before, face, now)
-    target = _between(after.automatic, after.given, strength)
+    return go_over(before if before.final else _collected(before, face, now), dt, strength)
+
+
+def go_over(before: Settling, dt: float, strength: float = 1.0) -> Settling:
+    """``dt`` seconds later without another look. Raises ValueError where no neutral is known yet."""
+    target = _between(before.automatic, before.given, strength)
     share = 1.0 if before.now is None else float(-np.expm1(-max(dt, 0.0) / EASE_SECS))
-    return replace(after, now=_towards(before.now, target, share))
+    return replace(before, now=_towards(before.now, target, share))
 
 
 def _collected(before: Settling, face: FaceObservation, now: float) -> Settling:

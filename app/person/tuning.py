@@ -95,8 +95,9 @@ def gain_matrix(gem: Gem, tuning: Tuning) -> Floats | None:
     extra = np.array([tuning.gain(group_of(shape)) - 1 for shape in NAMES])
     if gem.arkit_weights is None or not extra.any():
         return None
-    shapes = gem.arkit_weights / gem.sigma  # [52, coefficients]
+    sigma = gem.sigma.astype(float)  # a file may say 1e-30, whose squares are too much for 32 bits
+    shapes = gem.arkit_weights / sigma  # [52, coefficients]
     gram = shapes @ shapes.T
     ridge = _RIDGE * float(np.trace(gram)) / len(gram) * np.eye(len(gram))
     explained = np.linalg.solve(gram + ridge, shapes).T  # [coefficients, 52]: sigmas to weights
-    return np.eye(len(gem.sigma)) + (explained / gem.sigma[:, None] * extra) @ (shapes * gem.sigma)
+    return np.eye(len(sigma)) + (explained / sigma[:, None] * extra) @ (shapes * sigma)

@@ -32,12 +32,20 @@ def fitted(picture: Image, size: Size, backdrop: tuple[int, int, int] | None) ->
     scale = min(size[0] / picture.shape[1], size[1] / picture.shape[0])
     height, width = (max(1, round(scale * side)) for side in picture.shape[:2])
     how = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
-    inner = cv2.resize(picture, (width, height), interpolation=how)
+    inner = _resized(picture, (width, height), how)
     result = np.empty((size[1], size[0], picture.shape[2]), np.uint8)
     result[:] = (0, 0, 0, 0) if backdrop is None else backdrop
     top, left = (size[1] - height) // 2, (size[0] - width) // 2
     result[top : top + height, left : left + width] = inner
     return result
+
+
+def _resized(picture: Image, size: Size, how: int) -> Image:
+    """With alpha as seen: what is transparent has no colour to lend to what is beside it."""
+    if picture.shape[2] == 3:
+        return np.asarray(cv2.resize(picture, size, interpolation=how), np.uint8)
+    resized = cv2.resize(cv2.cvtColor(picture, cv2.COLOR_RGBA2mRGBA), size, interpolation=how)
+    return np.asarray(cv2.cvtColor(resized, cv2.COLOR_mRGBA2RGBA), np.uint8)
 
 
 def _over(picture: Image, backdrop: tuple[int, int, int]) -> Image:

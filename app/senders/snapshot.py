@@ -6,7 +6,7 @@ from pathlib import Path
 
 import cv2
 
-from ...models.wholefile import settle
+from ...models.wholefile import settle, whose
 from ..credentials.badge import badged
 from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
@@ -53,7 +53,7 @@ def save_picture(picture: Image, folder: Path, signed: Callable[[bytes], bytes] 
     """
     order = cv2.COLOR_RGBA2BGRA if picture.shape[2] == 4 else cv2.COLOR_RGB2BGR
     _, data = cv2.imencode(".png", cv2.cvtColor(picture, order))
-    aside = folder / f".{STEM}.{os.getpid()}.partial"
+    aside = folder / f".{STEM}.{whose()}.partial"
     try:
         try:
             aside.write_bytes(signed(data.tobytes()))

@@ -288,7 +288,6 @@ def test_what_stands_still_and_what_is_saved_is_drawn_whole_however_slow_the_mac
     assert drawn() == 48
     session.obey(Order("picture"))
     assert drawn() == 96
-    session._whole_until = 0.0
     assert drawn() == 48
     session.obey(Order("play", 0.0))
     assert until(session, lambda: True).shape[0] == 96  # it stands still
@@ -296,6 +295,22 @@ def test_what_stands_still_and_what_is_saved_is_drawn_whole_however_slow_the_mac
     assert drawn() == 48
     room.capture.transport = SimpleNamespace(playing=False, loop=True)
     assert drawn() == 96  # a video that is paused
+
+
+def test_what_is_saved_is_never_the_smaller_picture_that_was_under_way(
+    room: Room, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin(room)
+    session, saved = room.session, []
+    monkeypatch.setattr(session.gauges, "quality", lambda components: Quality(1, 0.5))
+    monkeypatch.setattr(session.outputs, "picture", lambda: saved.append(None))
+    room.capture.post(1.0)
+    session.settle(0.0)
+    session.draw(0.0)
+    session.obey(Order("picture"))
+    until(session, lambda: saved)
+    assert until(session, lambda: True).shape[0] == 48
+    assert len(saved) == 1
 
 
 def test_a_neutral_is_not_taken_of_two_sources(room: Room) -> None:

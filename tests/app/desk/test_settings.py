@@ -1,3 +1,4 @@
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,6 +30,17 @@ def test_what_is_remembered_comes_back(tmp_path: Path) -> None:
     assert complaint == ""
     assert read == settings
     assert recalled(DeskState(), read) == state
+
+
+def test_names_that_are_hard_to_write_lose_nothing_else(tmp_path: Path) -> None:
+    """TOML is UTF-8 and knows no halves of characters; what a disk or a camera calls itself may be any bytes."""
+    file = tmp_path / "live.toml"
+    smile = Settings(avatar="\N{GRINNING FACE}.gem", camera="a\x7f\x01\n\u2028b", keys={"\N{DOG}": ("F9",)})
+    assert save_settings(smile, file) == ""
+    assert load_settings(file) == (smile, "")
+    strange = Settings({"mirror": False}, avatar=os.fsdecode(b"/caf\xe9.gem"), camera="Cam")
+    assert save_settings(strange, file) == ""
+    assert load_settings(file) == (replace(strange, avatar=""), "")
 
 
 def test_no_output_and_no_camera_goes_on_by_itself() -> None:

@@ -1,16 +1,20 @@
 """What a face does, and what the loop makes of it: held, at rest, locked, turned, at another avatar."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from faces import face
 from gemheads.app.errors import InputError
 from gemheads.app.feed.loop import Loop
 from gemheads.app.inputs.source import PoseFrame, WeightsFrame
+from gemheads.app.inputs.transport import Playhead
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.presence import Phase
 from gemheads.app.person.hints import SENTENCES
 from gemheads.app.person.tuning import Tuning
 from gemheads.models.driver.neutral import neutral_of
+from gemheads.models.driver.smoothing import Smoothed
 
 from ..scripted import GEM, Source, World, avatar, followed, jaw, opened, picture
 
@@ -151,8 +155,6 @@ def test_a_face_turned_too_far_fades_and_is_told(world: World) -> None:
     ],
 )
 def test_what_makes_a_face_hard_to_read_is_told_and_smoothed(world: World, sign: str, change: dict) -> None:
-    from dataclasses import replace
-
     seen = face(at=(20, 10))
     landmarks = np.array(seen.landmarks_px)
     landmarks[1, 1] = landmarks[0, 1]
@@ -193,6 +195,29 @@ def test_the_neutral_is_not_silently_the_first_frame() -> None:
     later = opened(world)
     assert jaw(later)[-1] == pytest.approx(0.575, abs=0.06)
     assert np.abs(np.diff(jaw([*first, *then]))).max() < 0.25  # nothing jerks while it settles
+
+
+def test_a_face_that_stands_still_is_looked_at_once() -> None:
+    """However often sliders move meanwhile."""
+    world = World(Source("video", transport=Playhead(10.0, 1 / 30, clock=lambda: 0.0)))
+    world.play(0.3)
+    assert world.source.transport is not None
+    world.source.transport.pause()
+    seen = len(world.loop.acting.settling.faces)
+    assert seen > 0
+    for strength in np.linspace(0, 1, 50):
+        world.loop.acting.tune(Tuning(neutral_strength=float(strength)))
+        world.loop.changed()
+    assert len(world.loop.acting.settling.faces) == seen
+
+
+def test_a_paused_moment_has_nothing_of_the_nod_before_it() -> None:
+    world = followed()
+    acting = world.loop.acting
+    acting._memory = replace(acting._memory, misread=Smoothed(np.array([0.15, 0, 0]), np.zeros(3)))
+    acting.begin()
+    still = WeightsFrame(np.zeros(52, np.float32), np.zeros(3, np.float32), 0.0)
+    assert acting.weights(still, exact=True).pose.turn == pytest.approx(np.zeros(3), abs=1e-6)
 
 
 def test_a_neutral_that_was_taken_replaces_the_automatic_one(world: World) -> None:

@@ -105,13 +105,44 @@ def test_garbage_is_counted_and_changes_nothing(world: World) -> None:
     assert world.phase == "tracking"
 
 
-def test_a_picture_of_another_size_is_searched_anew(world: World) -> None:
+def test_in_pictures_of_another_size_the_followed_face_is_followed_on(world: World) -> None:
+    """A tracker knows where it must be there; searched anew it might be another one."""
     opened(world)
-    resets = world.person.resets
+    resets, box = world.person.resets, world.loop.acting._memory.box
     shots = world.play(0.5, lambda: world.frame(picture(world.count, (128, 96))))
-    assert world.person.resets == resets + 1
+    assert world.person.resets == resets
+    assert world.loop.acting._memory.box == box
     assert world.phase == "tracking"
     assert jaw(shots) == pytest.approx([0.575] * len(shots), abs=0.05)
+
+
+def test_what_could_not_be_done_is_told_for_some_seconds(world: World) -> None:
+    world.loop.ask(lambda: 1 / 0)
+    world.play(2.0)
+    assert world.loop.health.message.startswith("That could not be done")
+    world.play(3.0)
+    assert world.loop.health.message == ""
+
+
+def test_nothing_that_was_counted_or_said_of_a_source_is_said_of_the_next(world: World) -> None:
+    """Nor is what made its driver hard to read smoothed any more, nor what its expressions took off the turn."""
+    cutoff = world.loop.acting._actor.expression_filter.min_cutoff_hz
+    world.play(2.0, lambda: world.frame(picture(world.count, luma=20)))
+    assert world.loop.acting._actor.expression_filter.min_cutoff_hz < cutoff
+    world.person.face = face(jaw=float("nan"))
+    world.play(0.5)
+    assert world.loop.health.rejected == 15
+    world.loop.use(world.open, "the next")
+    world.person.face = face()
+    world.play(0.1)
+    assert world.loop.acting._actor.expression_filter.min_cutoff_hz == cutoff
+    assert world.loop.health.rejected == 0
+
+
+def test_a_camera_is_not_slow_because_it_has_just_begun() -> None:
+    world = World()
+    world.play(0.3)
+    assert world.loop.health.rate == pytest.approx(30, abs=2)
 
 
 def test_nan_keeps_the_last_good_expression_and_is_counted(world: World) -> None:

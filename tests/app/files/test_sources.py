@@ -1,5 +1,7 @@
 import os
+import struct
 import sys
+import zlib
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 from av.video.reformatter import Colorspace
 from gemheads.app.errors import InputError
+from gemheads.app.files.frames import spread
 from gemheads.app.files.sources import open_source
 from gemheads.app.files.video import VideoFile
 from gemheads.models.videopicture import displayed
@@ -130,6 +133,16 @@ def test_colours_that_a_video_does_not_name_are_those_that_players_take(
         container.mux(stream.encode())
     source = open_source(str(tmp_path / "clip.mp4"))
     assert next(source.frames()).rgb[32, 48].tolist() == pytest.approx(green, abs=4)
+
+
+@pytest.mark.parametrize("total", [33, 63, 95, 150])
+def test_samples_reach_the_end_of_a_clip_of_any_length(total: int) -> None:
+    numbers = spread(total, 32)
+    assert len(numbers) == 32
+    assert numbers[-1] >= total - total / 32 - 1
+    assert max(np.diff(numbers)) - min(np.diff(numbers)) <= 1
+    assert spread(5, 32) == [0, 1, 2, 3, 4]
+    assert spread(0, 32) == []
 
 
 def test_samples_spread_over_the_clip(make_clip: Clip) -> None:
@@ -267,6 +280,35 @@ def test_a_png_with_alpha_is_laid_on_white(tmp_path: Path, depth: type) -> None:
     rgb = next(open_source(str(tmp_path / "cut.png")).frames()).rgb
     assert rgb[0, 0].tolist() == [255, 255, 255]
     assert rgb[0, 15].tolist() == [0, 0, 255]
+
+
+def chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+@pytest.mark.parametrize("kind", [2, 3], ids=["one colour of all", "one of a palette"])
+def test_a_png_that_names_a_transparent_colour_is_laid_on_white(tmp_path: Path, kind: int) -> None:
+    row = b"\0" + (bytes(10) + b"\1" * 10 if kind == 3 else bytes(30) + b"\xff\0\0" * 10)
+    parts = [chunk(b"IHDR", struct.pack(">IIBBBBB", 20, 20, 8, kind, 0, 0, 0))]
+    parts += [chunk(b"PLTE", bytes([0, 0, 0, 255, 0, 0]))] if kind == 3 else []
+    parts += [chunk(b"tRNS", b"\0\xff" if kind == 3 else bytes(6))]
+    parts += [chunk(b"IDAT", zlib.compress(row * 20)), chunk(b"IEND", b"")]
+    (tmp_path / "named.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
+    rgb = next(open_source(str(tmp_path / "named.png")).frames()).rgb
+    assert rgb[0, 0].tolist() == [255, 255, 255]
+    assert rgb[0, 15].tolist() == [255, 0, 0]
+
+
+@pytest.mark.parametrize("quality", [101, 95], ids=["without loss", "with loss"])
+def test_a_webp_with_alpha_is_laid_on_white(tmp_path: Path, quality: int) -> None:
+    image = np.zeros((32, 32, 4), np.uint8)
+    image[:, 16:] = (255, 0, 0, 255)
+    for alpha in (True, False):
+        path = tmp_path / f"{alpha}.webp"
+        cv2.imwrite(str(path), image if alpha else image[..., :3], [cv2.IMWRITE_WEBP_QUALITY, quality])
+        rgb = next(open_source(str(path)).frames()).rgb
+        assert rgb[5, 5].tolist() == [255 * alpha] * 3
+        assert rgb[5, 28].tolist() == pytest.approx([0, 0, 255], abs=3)
 
 
 def test_what_is_missing_is_told(tmp_path: Path) -> None:

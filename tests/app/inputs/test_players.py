@@ -3,6 +3,7 @@
 from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -83,6 +84,38 @@ def test_a_video_pauses_steps_and_seeks_exactly(make_clip: Clip, clock: Clock) -
         shown.append(frame.seconds)
     assert shown == pytest.approx([0.5005, 0.5005 + 0.0334, 0.5005 - 2 * 0.0334], abs=0.001)
     assert video.read(0) is None
+
+
+@pytest.mark.parametrize("suffix", [".ts", ".flv", ".avi", ".mkv", ".mp4", ".h264"])
+def test_every_frame_is_found_again_whatever_holds_it(tmp_path: Path, clock: Clock, suffix: str) -> None:
+    """All in one group of pictures that are not stored as they are shown: transport streams are sent before its
+    beginning and come out behind it, AVI tells only when pictures are decoded."""
+    path = tmp_path / f"clip{suffix}"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for grey in range(0, 240, 8):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
+        container.mux(stream.encode())
+    video = VideoPlayer(path, clock)
+    rounds = [number for number, _ in seen_numbers(video, clock, 2.5)]
+    assert rounds[:60] == 2 * list(range(30))
+    video.transport.pause()
+    for number in (15, 3, 29, 0):
+        video.transport.seek((number + 0.01) / 25)
+        ((shown, _),) = seen_numbers(video, clock, 0.1)
+        assert shown == number
+
+
+def seen_numbers(video: VideoPlayer, clock: Clock, secs: float) -> list[tuple[int, float]]:
+    """What grey frames come, by their number, and when."""
+    seen = []
+    for _ in range(round(secs * 100)):
+        frame = video.read(0)
+        if frame is not None:
+            seen.append((round(float(frame.rgb.mean()) / 8), clock.now))
+        clock.now += 0.01
+    return seen
 
 
 def test_a_paused_video_steps_from_the_frame_that_is_shown(make_clip: Clip, clock: Clock) -> None:

@@ -7,10 +7,11 @@ from typing import cast
 import cv2
 import numpy as np
 import pytest
+from faces import face
 from gemheads.app.errors import NoFaceError
 from gemheads.app.files.sources import open_source
 from gemheads.app.person.neutrals import find_neutral, read_rule
-from gemheads.models.driver.face import FaceTracker
+from gemheads.models.driver.face import FaceObservation, FaceTracker
 
 
 class Forgetful:
@@ -22,8 +23,29 @@ class Forgetful:
     def reset(self) -> None:
         self.told.append("reset")
 
-    def track(self, rgb: np.ndarray, locked: object = None) -> None:
+    def track(self, rgb: np.ndarray, locked: object = None) -> FaceObservation | None:
         self.told.append("track")
+
+
+class Between(Forgetful):
+    """Sees a face in some pictures, which are told apart by how bright they are: with an open mouth in the first."""
+
+    def __init__(self, seen: range) -> None:
+        super().__init__()
+        self.seen = seen
+
+    def track(self, rgb: np.ndarray, locked: object = None) -> FaceObservation | None:
+        number = int(rgb[0, 0, 0])
+        return face(jaw=0.6 if number == self.seen[0] else 0.0) if number in self.seen else None
+
+
+@pytest.mark.parametrize("seen", [range(33, 63), range(34, 35)], ids=["late", "between"])
+def test_who_comes_late_or_between_what_is_looked_at_is_judged_all_the_same(tmp_path: Path, seen: range) -> None:
+    for number in range(63):
+        cv2.imwrite(str(tmp_path / f"{number:02}.png"), np.full((32, 32, 3), number, np.uint8))
+    source, tracker = open_source(str(tmp_path), Fraction(30)), Between(seen)
+    choice = find_neutral(read_rule("auto"), source, cast(FaceTracker, tracker))
+    assert round(choice.time * 30) in (seen[1:] or seen)
 
 
 @pytest.mark.parametrize("rule", ["auto", "first", "frame=0", "time=0"])

@@ -30,6 +30,14 @@ def test_the_middle_of_the_slider_is_what_offline_does() -> None:
     assert smoother(EXPRESSION_FILTER, 0.0).min_cutoff_hz > EXPRESSION_FILTER.min_cutoff_hz * 4
 
 
+def test_a_coefficient_that_hardly_varies_poisons_no_gain(gem: Gem) -> None:
+    basis = gem.bases["position"]
+    still = replace(basis, sigma=np.full_like(basis.sigma, 1e-30))
+    matrix = gain_matrix(replace(gem, bases={**gem.bases, "position": still}), Tuning(gains={"mouth": 0.5}))
+    assert matrix is not None
+    assert np.isfinite(matrix).all()
+
+
 def test_a_gain_moves_its_group_only(gem: Gem) -> None:
     matrix = gain_matrix(gem, Tuning(gains={"mouth": 0.0, "brows": 2.0}))
     assert matrix is not None
