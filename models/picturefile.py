@@ -19,8 +19,8 @@ _KINDS = (_PNG, b"\xff\xd8\xff", b"RIFF", b"BM", b"II*\0", b"MM\0*")
 def decode_picture(data: bytes, flags: int = cv2.IMREAD_COLOR_RGB) -> NDArray[np.generic] | None:
     """What ``cv2.imdecode`` makes of a file's bytes; None for all that is no sound picture of at most MAX_PIXELS.
 
-    Where colours alone are asked for, a PNG or WebP with alpha is laid on white: what colours there are where nothing is
-    to be seen is anybody's guess.
+    Where colours alone are asked for, a PNG or WebP with alpha is laid on white: what colours there are where nothing
+    is to be seen is anybody's guess.
     """
     if not data.startswith(_KINDS) or (data.startswith(_PNG) and not _is_sound_png(data)):
         return None

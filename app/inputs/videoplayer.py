@@ -139,15 +139,20 @@ class VideoPlayer:
     def _peek(self) -> tuple[float, av.VideoFrame] | None:
         """The next frame and its time from the beginning, still unread; None at the end."""
         if self._next is None and (picture := next(self._pictures, None)) is not None:
-            if self._untold and picture.dts is not None:
-                self._late = picture.dts - self._start if self._late is None else self._late
-                picture.pts = picture.dts - self._late
-            elif self._untold:
-                picture.pts = None
+            if self._untold:
+                picture.pts = self._told(picture.dts)
             pts = picture.pts
             seconds = self._last_secs + self._frame_secs if pts is None else float((pts - self._start) * self._tick)
             self._next = (seconds, picture)
         return self._next
+
+    def _told(self, dts: int | None) -> int | None:
+        """When a picture is shown that tells only when it is decoded: as much earlier as the first one was."""
+        if dts is None:
+            return None
+        if self._late is None:
+            self._late = dts - self._start
+        return dts - self._late
 
     def _take(self, ahead: tuple[float, av.VideoFrame]) -> av.VideoFrame:
         self._last_secs, self._next = ahead[0], None
