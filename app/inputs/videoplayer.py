@@ -150,9 +150,9 @@ class VideoPlayer:
         """When a picture is shown that tells only when it is decoded: as much earlier as the first one was."""
         if dts is None:
             return None
-        if self._late is None:
-            self._late = dts - self._start
-        return dts - self._late
+        late = self._late if self._late is not None else int(dts - self._start)
+        self._late = late
+        return dts - late
 
     def _take(self, ahead: tuple[float, av.VideoFrame]) -> av.VideoFrame:
         self._last_secs, self._next = ahead[0], None
