@@ -15,7 +15,11 @@ from .strangers import Crowd, Person
 
 BATCH = 256
 PRIOR = 0.3
-"""Price of one unit of weight away from the unlearned start, in squared tolerances."""
+"""Price of one unit of weight away from the unlearned start, in squared tolerances, where nobody knows what the people
+act ..."""
+ACTED = 3.0
+"""... and away from what they do act, where that is known. What is read on a face can be had of an avatar in many ways,
+most of which no face makes: without this brows rose and eyes widened to mend what was missed of a smile."""
 ONE_SIDED = 4.0
 """The same for one unit by which the two halves of a face move apart more than the start moves them. What is read on
 each half trembles by itself; a mouth that goes awry is the first thing that people see."""
@@ -48,6 +52,10 @@ class ClosedLoop:
         self._wanted, self._known = torch.from_numpy(people.wanted), torch.from_numpy(own.seen.weights)
         self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
         self._people = network.inputs(*self._seen)
+        acted = torch.from_numpy(people.acted)
+        known = ~acted.isnan()
+        self._aims = torch.where(known, network.bounded(acted), self._people[1])
+        self._prices = torch.where(known, ACTED, PRIOR)
         rests = torch.from_numpy(np.flatnonzero(people.resting))
         self._resting = tuple(array[rests] for array in self._people)
         if resting is not None:
@@ -71,7 +79,7 @@ class ClosedLoop:
         batch = torch.randint(len(self._wanted), (BATCH,))
         inputs, start = (array[batch] for array in self._people)
         free = network.steered(inputs, start)
-        loss = self._missed(free, start, self._wanted[batch], step % len(self._responses)).mean()
+        loss = self._missed(free, start, batch, step % len(self._responses)).mean()
         if len(self._resting[0]):
             rest = torch.randint(len(self._resting[0]), (BATCH // 2,))
             still = network.bounded(network.steered(*(array[rest] for array in self._resting)))
@@ -92,13 +100,13 @@ class ClosedLoop:
     @one_torch_thread()
     def best_of(self, rows: slice) -> NDArray[np.float32]:
         """The same for the moments ``rows``."""
-        network, start, wanted = self._network, self._people[1][rows], self._wanted[rows]
+        network, start = self._network, self._people[1][rows]
         ways = torch.zeros_like(start, requires_grad=True)
         optimizer = torch.optim.Adam([ways], STRIDE)
         schedule = torch.optim.lr_scheduler.LinearLR(optimizer, 1.0, 1 / STRIDES, STRIDES)
         for _ in range(STRIDES):
             free = network.moved(start, ways)
-            asked = [self._missed(free, start, wanted, one) for one in range(len(self._responses))]
+            asked = [self._missed(free, start, rows, one) for one in range(len(self._responses))]
             optimizer.zero_grad()
             torch.stack(asked).mean(0).sum().backward()
             optimizer.step()
@@ -106,15 +114,16 @@ class ClosedLoop:
         with torch.no_grad():
             return network.bounded(network.moved(start, ways)).numpy()
 
-    def _missed(self, free: Tensor, start: Tensor, wanted: Tensor, one: int) -> Tensor:
-        """[B] what weights [B, E], not clipped yet, cost that begin at ``start`` and shall show ``wanted`` [B, T]."""
-        network = self._network
+    def _missed(self, free: Tensor, start: Tensor, rows: Tensor | slice, one: int) -> Tensor:
+        """[B] what weights [B, E], not clipped yet, cost that begin at ``start`` and shall follow the moments ``rows``."""
+        network, wanted = self._network, self._wanted[rows]
         bounded = network.bounded(free)
         # a weight outside its bounds keeps a little gradient, or it would never come back
         got = self._shown(bounded + 0.05 * (free - bounded), one)
         missed = nn.functional.huber_loss(got, wanted, delta=HUBER, reduction="none").mean(1)
         moved = bounded - start
-        missed = missed + PRIOR * (moved**2).mean(1) + EXCESS * ((free - bounded) ** 2).mean(1)
+        missed = missed + (self._prices[rows] * (bounded - self._aims[rows]) ** 2).mean(1)
+        missed = missed + EXCESS * ((free - bounded) ** 2).mean(1)
         if len(network.pairs):
             left, right = network.pairs.T
             missed = missed + ONE_SIDED * ((moved[:, left] - moved[:, right]) ** 2).mean(1)

@@ -43,6 +43,8 @@ class Person:
     """Learned from them."""
     doubters: tuple[ResponseModel, ...] = ()
     """The same learned with other random numbers: where they disagree, it is not known how the person answers."""
+    arkit: bool = False
+    """Whether the control weights are those of ARKit's shapes, which stand for the same on everybody."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class Crowd:
     """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
     resting: NDArray[np.bool_]
     """[S] moments in which nothing but the head moves."""
+    acted: Floats
+    """[S, E] the control weights that these people act; NaN where nobody knows, or they stand for something else."""
 
     def __len__(self) -> int:
         return len(self.features)
@@ -108,6 +112,7 @@ def crowd(
         np.concatenate([part.rotations for part in parts]),
         np.concatenate([part.wanted for part in parts]),
         np.concatenate([part.resting for part in parts]),
+        np.concatenate([part.acted for part in parts]),
     )
 
 
@@ -128,6 +133,7 @@ def _invented(
     rotations, seen_rotations = np.empty((count, 3), np.float32), np.empty((count, 3), np.float32)
     wanted = np.empty((count, len(channel_indices())), np.float32)
     resting = np.zeros(count, np.bool_)
+    acted = np.full((count, people[0].seen.weights.shape[1]), np.nan, np.float32)
     for index, person in enumerate(people):
         rows = np.flatnonzero(which == index)
         picked = rng.integers(len(person.seen), size=len(rows))
@@ -135,6 +141,8 @@ def _invented(
         features[rows] = person.seen.features[picked] - turned(rotations[rows]) @ leaks[index]
         wanted[rows] = fronts[index][picked]
         resting[rows] = at_rest(person.seen.weights)[picked]
+        if people[0].arkit and person.arkit:
+            acted[rows] = person.seen.weights[picked]
     spread = np.where(resting, RESTING_LEAK_SPREAD, LEAK_SPREAD).astype(np.float32)
     features += others.of_others(rotations, spread, rng)
     if len(footage):
@@ -143,16 +151,18 @@ def _invented(
         features[rows], seen_rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
         turn = turned(seen_rotations[rows]) @ others.mean
         wanted[rows] = in_tolerances(features[rows] - turn.astype(np.float32))
-        resting[rows] = False
+        resting[rows], acted[rows] = False, np.nan
     differing = _other_mouths(wanted, rng)
     features[:, channel_indices()] += differing * channel_tolerances()
     wanted += differing
-    gains = np.exp(rng.normal(0, GAIN_SPREAD / 2, (count, 1)) + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
+    whole = rng.normal(0, GAIN_SPREAD / 2, (count, 1)).astype(np.float32)
+    gains = np.exp(whole + rng.normal(0, GAIN_SPREAD, (count, DIMENSION)))
+    acted *= np.exp(whole)
     features *= gains
     wanted *= gains[:, channel_indices()]
     for name, spread in NOISE.items():
         features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
-    return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting)
+    return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting, acted)
 
 
 def _other_mouths(wanted: Floats, rng: np.random.Generator) -> Floats:

@@ -163,7 +163,11 @@ def regressor_for(
         pictures_of(one, count, seed, lambda done, total: progress("strangers", done, total), workers)
         for one in companions
     ]
-    others = [person_of(one, brief, seed)[0] for one in seen]
+    others = [
+        person_of(one, brief, seed, arkit=companion.arkit_weights is not None)[0]
+        for one, companion in zip(seen, companions, strict=True)
+    ]
+    arkit = gem.arkit_weights is not None
     leaks = leaks_of_bystanders(
         [gem, *companions],
         seed,
@@ -173,7 +177,7 @@ def regressor_for(
     )
     practised = former or _practised(gem)
     for _ in range(REHEARSALS):
-        avatar, _ = person_of(own, brief, seed, RESPONSES if practised is None else 1, workers)
+        avatar, _ = person_of(own, brief, seed, RESPONSES if practised is None else 1, workers, arkit)
         audience = crowd([avatar, *others], leaks, footage, max(1, int(pictures * REHEARSED)), rng)
         if practised is not None:
             answers, practised = remembered(practised.regressor, practised.controls, audience), None
@@ -184,7 +188,7 @@ def regressor_for(
             gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total), workers
         )
         own = joined([own, acted])
-    avatar, r2 = person_of(own, brief, seed, RESPONSES, workers)
+    avatar, r2 = person_of(own, brief, seed, RESPONSES, workers, arkit)
     school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
@@ -304,14 +308,15 @@ def pictures_of(
 
 
 def person_of(
-    seen: Responses, steps: int, seed: int, responses: int = 1, workers: Workers = ALONE
+    seen: Responses, steps: int, seed: int, responses: int = 1, workers: Workers = ALONE, arkit: bool = False
 ) -> tuple[Person, float]:
     """An avatar with its response F, learned from its pictures ``responses`` times, and the share of variance that the
-    first of them explains. Raises WorkerLost."""
+    first of them explains. ``arkit``: its control weights are those of ARKit's shapes. Raises WorkerLost."""
     channels = in_tolerances(seen.features)
     lessons = [(seen.weights, seen.rotations, channels, steps, seed + one) for one in range(responses)]
     learned = workers.each(_learned, lessons)
-    return Person(seen, learned[0][0], tuple(response for response, _ in learned[1:])), learned[0][1]
+    doubters = tuple(response for response, _ in learned[1:])
+    return Person(seen, learned[0][0], doubters, arkit), learned[0][1]
 
 
 def _learned(

@@ -46,7 +46,9 @@ def scene() -> tuple[RegressorNetwork, Person, Crowd]:
     seen = Responses(weights, front, front, features)
     torch.manual_seed(0)
     network = RegressorNetwork(principal_components(features), controls_of(toy_gem()))
-    return network, Person(seen, answering(shapes)), Crowd(features, seen.rotations, wanted, ~weights.any(1))
+    unknown = np.full_like(weights, np.nan)
+    people = Crowd(features, seen.rotations, wanted, ~weights.any(1), unknown)
+    return network, Person(seen, answering(shapes)), people
 
 
 def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
@@ -119,7 +121,28 @@ def test_an_avatar_that_is_steered_by_coefficients_has_no_halves(
     count = len(controls.upper)
     response = ResponseModel(count, people.wanted.shape[1]).requires_grad_(False)
     seen = replace(avatar.seen, weights=np.zeros((COUNT, count), "f4"))
-    assert torch.isfinite(ClosedLoop(network, Person(seen, response), people).loss())
+    unknown = replace(people, acted=np.full((COUNT, count), np.nan, "f4"))
+    assert torch.isfinite(ClosedLoop(network, Person(seen, response), unknown).loss())
+
+
+def test_of_all_that_would_read_alike_what_is_acted_is_best(
+    scene: tuple[RegressorNetwork, Person, Crowd], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two shapes that the tracker cannot tell apart: the face that people make is known all the same."""
+    _, avatar, people = scene
+    one, other = NAMES.index("mouthFrownLeft"), NAMES.index("mouthPressLeft")
+    shapes = avatar.response.linear.weight[:, : len(NAMES)].T.numpy().copy()
+    shapes[other] = shapes[one]
+    weights = np.zeros((COUNT, len(NAMES)), "f4")
+    weights[:, one] = np.linspace(0, 0.6, COUNT)
+    alike = replace(people, wanted=weights @ shapes, features=np.zeros_like(people.features), acted=weights)
+
+    def astray(price: float) -> float:
+        monkeypatch.setattr(closing, "ACTED", price)
+        network = RegressorNetwork(principal_components(people.features), controls_of(toy_gem()))
+        return float(ClosedLoop(network, Person(avatar.seen, answering(shapes)), alike).best()[:, other].mean())
+
+    assert astray(30.0) < 0.5 * astray(0.0)
 
 
 def test_a_face_that_moves_where_only_the_head_does_is_dear(

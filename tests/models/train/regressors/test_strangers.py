@@ -45,8 +45,31 @@ def test_a_crowd_invented_in_parts_is_as_large_and_as_varied(monkeypatch: pytest
     person = linear_person(*(rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3)))
     monkeypatch.setattr(strangers, "AT_ONCE", 60)
     people = crowd([person], alone(person), np.empty((0, DIMENSION + 3), "f4"), 200, rng)
-    assert [len(array) for array in vars(people).values()] == [200] * 4
+    assert [len(array) for array in vars(people).values()] == [200] * 5
     assert len(np.unique(people.features, axis=0)) == 200
+
+
+def test_what_people_act_is_known_where_their_shapes_are_the_avatars() -> None:
+    rng = np.random.default_rng(0)
+    shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
+    plain = linear_person(shapes, leak)
+    shaped, nobody = replace(plain, arkit=True), np.empty((0, DIMENSION + 3), "f4")
+    for cast, known in (((shaped, shaped), 1.0), ((shaped, plain), 0.5), ((plain, shaped), 0.0)):
+        people = crowd(cast, alone(plain), nobody, 2000, np.random.default_rng(1))
+        told = np.isfinite(people.acted).all(1)
+        assert abs(told.mean() - known) < 0.05
+        assert np.isnan(people.acted[~told]).all()
+        assert (people.acted[told & people.resting] == 0).all()
+    people = crowd([shaped], alone(plain), nobody, 2000, np.random.default_rng(1))
+    one, of_all = (
+        rows / (np.linalg.norm(rows, axis=1, keepdims=True) + 1e-9) for rows in (people.acted, plain.seen.weights)
+    )
+    acting = ~people.resting
+    assert ((one @ of_all.T).max(1)[acting] > 0.999).all()  # somebody's picture, as a whole more or less strongly done
+    footage = np.zeros((5, DIMENSION + 3), "f4")
+    assert np.isnan(crowd([shaped], alone(plain), footage, 2000, rng).acted).all(1).mean() == pytest.approx(
+        1 / 3, abs=0.05
+    )
 
 
 def test_every_picture_is_used_as_often_where_that_is_wanted() -> None:
