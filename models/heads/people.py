@@ -134,7 +134,7 @@ MARA = Person(
     splats=23_400,
     enamel=1.35,
     freckles=0.6,
-    brow_lift=0.0027,
+    brow_lift=0.0042,  # with less she looked angry at rest, and so did her smiles
     # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none
     rest=RELAXED
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
