@@ -27,6 +27,7 @@ from gemheads.models.train.judging.crew import Crew
 from gemheads.models.train.judging.evaluate import Alone
 from gemheads.models.train.judging.ledger import Record
 from gemheads.models.train.workers import WorkerLost
+from gems import statue
 from refusals import refused
 
 
@@ -139,6 +140,16 @@ def test_what_cannot_be_is_one_line(
     assert code == ExitCode.USAGE
     assert said in error
     assert not (tmp_path / "r").exists()
+
+
+def test_components_of_what_does_not_move_are_refused(
+    toy_capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_gem(statue(), tmp_path / "statue.gem")
+    words = (tmp_path / "statue.gem", toy_capture, "-o", tmp_path / "r", "--components", "1")
+    code, error = refused(capsys, "evaluate", *words)
+    assert code == ExitCode.USAGE
+    assert error == "error: --components 1: no .gem among the avatars moves, so it has none; leave it out\n"
 
 
 def figures(psnrs: dict[str, Sequence[float]], components: Sequence[int | None], capture: Path) -> dict[str, Any]:

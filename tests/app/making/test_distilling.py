@@ -11,6 +11,7 @@ from gemheads.app.errors import ExitCode
 from gemheads.models.gemfile import load_gem
 from gemheads.models.ply import save_ply_sequence
 from gemheads.render.gaussians import RawGaussians
+from gems import statue
 from refusals import refused
 
 STATED = ("--licence", "CC0-1.0", "--consent", "no person, a bent sheet")
@@ -73,6 +74,15 @@ def test_a_sequence_plays_its_own_frames(lam: Any, tmp_path: Path) -> None:
     save_ply_sequence(frames, tmp_path / "frames")
     assert main(["distill", str(tmp_path / "frames"), "-o", str(tmp_path / "s.gem")]) == 0
     assert load_gem(tmp_path / "s.gem").arkit_weights is None
+
+
+def test_a_single_frame_gives_an_avatar_that_nothing_drives_which_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_ply_sequence([statue().compose(np.zeros(0, np.float32))], tmp_path / "frames")
+    assert main(["distill", str(tmp_path / "frames"), "-o", str(tmp_path / "s.gem")]) == 0
+    assert "s.gem: does not move, so no face can drive it; give several frames that differ" in capsys.readouterr().err
+    assert load_gem(tmp_path / "s.gem").coefficient_count == 0
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ from gemheads.app.errors import ExitCode
 from gemheads.app.library import find_avatar
 from gemheads.models.captures.layout import CaptureError
 from gemheads.models.gem import Gem
-from gemheads.models.gemfile import load_gem
+from gemheads.models.gemfile import load_gem, save_gem
+from gems import statue
 from refusals import refused
 
 
@@ -42,6 +43,15 @@ def test_two_captures_are_two_people(capture: Path, capsys: pytest.CaptureFixtur
     code, error = refused(capsys, "train-regressor", "mara", str(capture), str(capture))
     assert code == ExitCode.USAGE
     assert "second capture" in error
+
+
+def test_an_avatar_that_does_not_move_learns_nothing(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_gem(statue(), tmp_path / "statue.gem")
+    code, error = refused(capsys, "train-regressor", tmp_path / "statue.gem", capture, "--pictures", "0")
+    assert code == ExitCode.INPUT
+    assert "does not move, so no face can drive it" in error
 
 
 @pytest.mark.parametrize("words", [("--rehearse-with", "theo"), ("--turns-only",)])
