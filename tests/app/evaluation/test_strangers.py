@@ -296,6 +296,24 @@ def test_what_cannot_be_done_is_one_line(
     assert not (places["out"] / "report.json").exists()
 
 
+@pytest.mark.parametrize("name", ["report.json", "report.html"])
+def test_a_report_of_something_else_is_not_written_over(
+    tiny: Path, drivers: tuple[Path, Path], tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "r"
+    out.mkdir()
+    (out / name).write_text('{"coverage": 90}')
+    words = (tiny, "--drivers", drivers[0], "-o", out, "--every", 1)
+    code, error = refused(capsys, "evaluate", *words)
+    assert code == ExitCode.USAGE
+    assert f"{name}: was not written by evaluate, and would be written over; name another folder" in error
+    assert (out / name).read_text() == '{"coverage": 90}'
+    assert [file.name for file in out.iterdir()] == [name]
+    (out / name).unlink()
+    for _ in range(2):  # its own is
+        assert evaluate(*words) == ExitCode.OK
+
+
 def test_what_is_kept_depends_on_the_version(
     tiny: Path, drivers: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
