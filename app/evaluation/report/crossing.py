@@ -84,8 +84,9 @@ def _embeddings(figures: Figures) -> str:
     text = (
         "All drivers together. The embedding is the face tracker's own [512], driver and avatar each relative to their"
         " neutral; it is not the paper's network, so only rows of one kind can be compared. By chance: the cosine when"
-        " frames are paired at random. fps: one step of express, compose and draw by the software engine, median; the"
-        " rows of one avatar were measured by turns."
+        " frames are paired at random. A driver's own neutral frame has none and is left out. fps:"
+        " one step of express, compose and draw by the software engine, median; the rows of one avatar were measured by"
+        " turns."
     )
     note = f"<p class='small'>* {escape(figures['published_by'])}.</p>"
     return f"<h3>Expression embedding and speed</h3><p class='small'>{escape(text)}</p>{table(heads, rows)}{note}"
