@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from statistics import median
 from typing import Any
 
 from ....models.crossing.compare import Worst
@@ -186,8 +187,8 @@ def _every_channel(told: Figures, figures: Figures) -> str:
         cells += [_followed(of, channel) for of in moved]
         moved = [of for of in moved if of["correlation"][name] is not None]
         for kind in ("amplitude", "unrest"):
-            known = sorted(of[kind][name] for of in moved if of[kind][name] is not None)
-            cells.append(_number(known[len(known) // 2] if known else None, 2))
+            known = [of[kind][name] for of in moved if of[kind][name] is not None]
+            cells.append(_number(median(known) if known else None, 2))
         rows.append(row(cells))
     heads = ["correlation", *drivers, "amplitude", "unrest"]
     text = (

@@ -136,6 +136,11 @@ def test_all_drivers_drive_all_avatars_by_all_ways(
             assert leak["yaw_ratio"][unit] == pytest.approx(ratio, rel=0.02, abs=1e-3)
         assert leak["met"] == (leak["yaw_ratio"]["sigma"] <= 0.25)
         assert steady["neutrals"]["mean"]["sigma"] > 0
+    every_channel = (out / "report.html").read_text().split("Every channel: learned, regressor")[1]
+    cells = re.findall("<td>(.*?)</td>", every_channel.split("<td>mouthSmile</td>")[1].split("</tr>")[0])
+    for cell, kind in zip(cells[-2:], ("amplitude", "unrest"), strict=True):
+        both = [rows["learned", "regressor"]["drivers"][driver][kind]["mouthSmile"] for driver in ("ann", "bob")]
+        assert cell == f"{np.median(both):.2f}"
     jitter = rows["learned", "regressor"]["robustness"]["jitter"]
     assert jitter["raw"]["sigma"] > jitter["smoothed"]["sigma"] > 0
     assert report["mirror_image"]["median"]["mouthSmile"] > 0.99
