@@ -1,6 +1,7 @@
 """`evaluate --components` and `--jobs`: what fewer components cost and save, by however many processes."""
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -178,11 +179,13 @@ def test_the_section_says_what_was_found_and_what_the_paper_has(toy_capture: Pat
         for place in (0, 1):
             gallery.add(row, place, image, image)
         gallery.end_row(row)
-    html = sizes_section(told, gallery)
+    html = sizes_section(told, gallery, ["none", "a<b", "cnn"])
     assert "a<b" not in html
     assert "&lt;note&gt;" in html
     assert "26.00" in html
     assert all(f"{row.psnr:.2f}" in html for row in SIZES)
     assert html.count("a&lt;b, 24 maps, 1 components: 21.00") == 1
     assert color_of(2) in html
+    curve = html.split("PSNR by components")[2].split("</svg>")[0]
+    assert re.findall('stroke="(#.*?)"', curve) == [color_of(1)]  # of its column, though the first has no row
     assert html.count("data:image/jpeg") == 4 + 2 * (1 + 2 * 3)
