@@ -44,6 +44,16 @@ class Clip:
     looks: int
     """At each frame."""
 
+    @property
+    def seconds(self) -> float:
+        """From the first frame with a face to the last."""
+        return float(self.times[-1] - self.times[0])
+
+    @property
+    def full(self) -> bool:
+        """Whether it has all frames that are kept, whatever the video still shows behind them."""
+        return len(self.times) >= MOST_FRAMES
+
 
 def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float) -> Clip:
     """Tracks each ``every``-th frame of a clip's first ``seconds``, at most MOST_FRAMES.

@@ -34,10 +34,10 @@ def _lead(figures: Figures) -> str:
     count = len(figures["drivers"])
     text = (
         f"{count} {'person drives' if count == 1 else 'people drive'} the avatars: each {_nth(figures['every'])}frame"
-        f" of the first {figures['seconds']:g} s, without smoothing. The face tracker then reads the avatar's own"
-        f" pictures ({figures['size']}x{figures['size']}), and both are compared, each relative to its own neutral. The"
-        " baseline has learned nothing: the tracker's scores as ARKit weights. The tracker that judges is the one that"
-        " drives, so look at the strips, too. What is drawn is synthetic."
+        f" of at most the first {figures['seconds']:g} s, without smoothing. The face tracker then reads the avatar's"
+        f" own pictures ({figures['size']}x{figures['size']}), and both are compared, each relative to its own neutral."
+        " The baseline has learned nothing: the tracker's scores as ARKit weights. The tracker that judges is the one"
+        " that drives, so look at the strips, too. What is drawn is synthetic."
     )
     return f"<p>{escape(text)}</p>"
 
@@ -142,7 +142,7 @@ def _scene(driver: Figures, rows: Sequence[Figures], scene: Scene) -> str:
     """One driver: film strips, worst frames, curves."""
     name = driver["name"]
     lost = f", {driver['without_face']} without a face" if driver["without_face"] else ""
-    told = f"{driver['frames']} frames{lost}. Neutral: {driver['neutral']}."
+    told = f"{driver['frames']} frames in {driver['seconds']:.1f} s{lost}. Neutral: {driver['neutral']}."
     strips = "".join(
         f"<tr><th>{escape(who)}</th><td><img alt='{escape(who)}' src='{url}'></td></tr>"
         for who, url in scene.strips.items()

@@ -218,6 +218,25 @@ def test_another_clip_under_the_same_name_and_other_settings_are_judged_anew(
     assert report_of(out)["drivers"][0]["frames"] == 8
 
 
+def test_a_clip_of_which_not_all_is_kept_says_how_much(
+    tiny: Path,
+    drivers: tuple[Path, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(clip, "MOST_FRAMES", 11)
+    out = tmp_path / "r"
+    assert evaluate(tiny, "--drivers", drivers[0], "-o", out, "--every", 1) == ExitCode.OK
+    said = (
+        "Of ann the first 11 frames with a face are taken, 0.4 s: no more are kept; a larger --every reaches farther."
+    )
+    assert said in capsys.readouterr().out
+    assert said in report_of(out)["notes"]
+    assert report_of(out)["drivers"][0]["seconds"] == 0.4
+    assert "11 frames in 0.4 s. Neutral: " in (out / "report.html").read_text()
+
+
 def test_pictures_in_a_folder_drive_too(tiny: Path, tmp_path: Path) -> None:
     import cv2
 

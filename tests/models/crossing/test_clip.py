@@ -48,8 +48,12 @@ def test_a_long_clip_is_read_no_further_than_is_kept(monkeypatch: pytest.MonkeyP
             given += 1
             yield painted(0.1), given / RATE
 
-    assert len(track_clip(endless(), 1, 1e9).readings) == 10
+    clip = track_clip(endless(), 1, 1e9)
+    assert len(clip.readings) == 10
     assert given == 11
+    assert clip.full
+    assert clip.seconds == pytest.approx(9 / RATE)
+    assert not track_clip(performed(), 3, 1.0).full
 
 
 def test_the_neutral_is_at_rest_and_the_others_are_other_moments(clip: Clip) -> None:
