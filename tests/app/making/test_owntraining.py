@@ -29,6 +29,9 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (("--pictures", "-1"), "--pictures -1: choose 40 or more"),
         (("--steps", "0"), "--steps 0: choose 1 or more"),
         (("--seed", "-1"), "--seed: -1: choose from 0"),
+        (("--pictures", "0", "--companions", "theo"), "--companions: does nothing for --pictures 0"),
+        (("--pictures", "0", "--jobs", "1"), "--jobs: does nothing for --pictures 0"),
+        (("--pictures", "0", "talk.mp4"), "talk.mp4: does nothing for --pictures 0"),
     ],
 )
 def test_numbers_that_cannot_be(

@@ -25,6 +25,8 @@ from refusals import refused
         (("--jobs", "0"), "--jobs 0: choose from 1 to 256"),
         (("--turns-only", "--rehearse-with", "theo"), "--rehearse-with has no effect with --turns-only"),
         (("--turns-only", "--take-over", "theo"), "--take-over trains nothing"),
+        (("--pictures", "40", "--take-over", "theo"), "--take-over trains nothing"),
+        (("--seed", "0", "--take-over", "theo"), "--take-over trains nothing"),
     ],
 )
 def test_what_cannot_be(words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]) -> None:
