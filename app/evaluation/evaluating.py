@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -128,15 +129,16 @@ def _page(report: Mapping[str, Any], judged: Judged, sizes: Sizes | None, crossi
 
 def _command(avatar: str, capture: Path | None, wish: EvaluateWish) -> str:
     """The command line, names without the folders of this machine; what has no say in the figures is left out."""
-    words = [COMMAND, Path(avatar).name, *([] if capture is None else [capture.resolve().name])]
+    words = [*COMMAND.split(), Path(avatar).name, *([] if capture is None else [capture.resolve().name])]
     words += ["--against", *(Path(word).name for word in wish.against)] if wish.against else []
     if capture is not None:
-        words += ["--all" if wish.shots is None else f"--shots {wish.shots}", f"--lpips {wish.lpips}"]
+        words += ["--all"] if wish.shots is None else ["--shots", str(wish.shots)]
+        words += ["--lpips", wish.lpips]
         words += ["--components", *map(str, wish.components)] if wish.components else []
     if wish.crossing.drivers:
         words += ["--drivers", *(Path(word).name for word in wish.crossing.drivers)]
-        words += [f"--every {wish.crossing.every}", f"--seconds {wish.crossing.seconds:g}"]
-    return " ".join([*words, "-o REPORT"])
+        words += ["--every", str(wish.crossing.every), "--seconds", f"{wish.crossing.seconds:g}"]
+    return shlex.join([*words, "-o", "REPORT"])
 
 
 def _report(

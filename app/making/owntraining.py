@@ -15,7 +15,7 @@ from ..performing.casting import open_avatar
 from ..progress import ProgressBar
 from ..reenacting.reports import write_json
 from .opencapture import opened
-from .training import LEAST_PICTURES, check_learning, check_moves, processes
+from .training import LEAST_PICTURES, check_learning, check_moves, check_videos, processes
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         from ...models.train.workers import WorkerLost, Workers
     _check(wish)
     check_moves(avatar, *wish.companions)
+    check_videos(wish.videos)
     cast, footage = open_avatar(avatar), opened(capture)
     check_avatar_name(out)
     own = None if out.resolve() == avatar.resolve() else avatar

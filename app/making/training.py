@@ -44,9 +44,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
         raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more")
     check_learning(wish.steps, wish.jobs)
     check_moves(avatar, *wish.companions)
-    for video in wish.videos:
-        if not video.is_file():
-            raise InputError(f"{video}: no such video; check the path")
+    check_videos(wish.videos)
     out = _place(out or avatar, [*wish.videos, *wish.companions, wish.former])
     try:
         gem, told = (_turns if wish.turns_only else _regressor)(avatar, wish)
@@ -115,6 +113,15 @@ def check_learning(steps: int, jobs: int | None) -> None:
     if steps < 1:
         raise UsageError(f"--steps {steps}: choose 1 or more")
     check_jobs(jobs)
+
+
+def check_videos(videos: Sequence[Path]) -> None:
+    """Raises InputError for one that is not there, or is a folder."""
+    for video in videos:
+        if video.is_dir():
+            raise InputError(f"{video}: is a folder, and no capture; give video files, or the folder of a capture")
+        if not video.is_file():
+            raise InputError(f"{video}: no such video; check the path")
 
 
 def check_moves(*avatars: Path) -> None:

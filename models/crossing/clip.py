@@ -19,6 +19,10 @@ OTHERS = 10
 """Neutrals that are tried beside the chosen one."""
 
 
+class ShortClip(ValueError):
+    """Too few frames of a clip were asked for, whatever they show."""
+
+
 class UnseenDriver(ValueError):
     """Too few frames of a clip show a face."""
 
@@ -64,7 +68,8 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         seconds: since the first frame's time.
 
     Raises:
-        UnseenDriver: where fewer than FEWEST_FRAMES show a face.
+        ShortClip: where these are fewer than FEWEST_FRAMES.
+        UnseenDriver: where fewer show a face.
     """
     tracker, looks = FaceTracker(), 1 if every == 1 else LOOKS_APART
     faces: list[FaceObservation] = []
@@ -85,6 +90,8 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         faces.append(face)
         times.append(now)
         pictures.append(packed(face_square(picture, face.box_px)))
+    if len(faces) + lost < FEWEST_FRAMES:
+        raise ShortClip(f"{len(faces) + lost} frames are taken, {FEWEST_FRAMES} are needed")
     if len(faces) < FEWEST_FRAMES:
         raise UnseenDriver(f"a face in {len(faces)} of {len(faces) + lost} frames, {FEWEST_FRAMES} are needed")
     choice = choose_neutral(faces, times)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import subprocess
 import sys
 from dataclasses import replace
@@ -237,6 +238,14 @@ def test_a_clip_of_which_not_all_is_kept_says_how_much(
     assert "11 frames in 0.4 s. Neutral: " in (out / "report.html").read_text()
 
 
+def test_the_command_that_is_printed_can_be_given(tiny: Path, drivers: tuple[Path, Path], tmp_path: Path) -> None:
+    talk = drivers[0].rename(tmp_path / "Ann's talk.mp4")
+    assert evaluate(tiny, "--drivers", talk, "-o", tmp_path / "r", "--every", 1) == ExitCode.OK
+    command = json.loads((tmp_path / "r" / "report.json").read_text())["command"]
+    words = ["tiny.gem", "--drivers", "Ann's talk.mp4", "--every", "1", "--seconds", "30", "-o", "REPORT"]
+    assert shlex.split(command) == ["gemheads", "evaluate", *words]
+
+
 def test_pictures_in_a_folder_drive_too(tiny: Path, tmp_path: Path) -> None:
     import cv2
 
@@ -296,7 +305,11 @@ def places(tiny: Path, drivers: tuple[Path, Path], make_clip: Clip, tmp_path: Pa
         (("{tiny}", "--drivers", "{empty}"), ExitCode.INPUT, "the file is empty"),
         (("{tiny}", "--drivers", "{zero}"), ExitCode.INPUT, "zero.mp4"),
         (("{tiny}", "--drivers", "{nobody}"), ExitCode.NO_FACE, "a face in 0 of 30 frames, 8 are needed"),
-        (("{tiny}", "--drivers", "{ann}", "--every", "9"), ExitCode.NO_FACE, "a face in 2 of 2 frames"),
+        (
+            ("{tiny}", "--drivers", "{ann}", "--every", "9"),
+            ExitCode.INPUT,
+            "2 frames are taken, 8 are needed (--every 9",
+        ),
         (("{tiny}", "--drivers", "{ann}", "--shots", "5"), ExitCode.USAGE, "--shots: does nothing for drivers alone"),
         (("{tiny}", "--drivers", "{ann}", "--all"), ExitCode.USAGE, "--all: does nothing for drivers alone"),
         (("{tiny}", "--drivers", "{ann}", "--lpips", "none"), ExitCode.USAGE, "--lpips: does nothing for drivers"),

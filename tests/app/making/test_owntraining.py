@@ -57,6 +57,15 @@ def test_an_avatar_that_does_not_move_learns_nothing(
     assert "does not move, so no face can drive it" in error
 
 
+def test_videos_are_looked_for_before_anything_is_fitted(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for place, said in ((tmp_path, "is a folder, and no capture"), (tmp_path / "no.mp4", "no such video")):
+        code, error = refused(capsys, "train-regressor", "mara", capture, place)
+        assert code == ExitCode.INPUT
+        assert f"{place}: {said}" in error
+
+
 @pytest.mark.parametrize("words", [("--rehearse-with", "theo"), ("--turns-only",)])
 def test_a_person_with_frames_learns_of_them_alone(
     capture: Path, words: tuple[str, ...], capsys: pytest.CaptureFixture[str]

@@ -35,6 +35,13 @@ def test_what_cannot_be(words: tuple[str, ...], said: str, capsys: pytest.Captur
     assert said in error
 
 
+def test_a_folder_is_no_video(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for place, said in ((tmp_path, "is a folder, and no capture"), (tmp_path / "no.mp4", "no such video")):
+        code, error = refused(capsys, "train-regressor", "mara", place)
+        assert code == ExitCode.INPUT
+        assert f"{place}: {said}" in error
+
+
 @pytest.mark.parametrize("words", [(), ("--turns-only",), ("--take-over", "theo"), ("--companions", "{statue}")])
 def test_an_avatar_that_does_not_move_learns_nothing(
     words: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
