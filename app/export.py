@@ -1,6 +1,5 @@
 """Splats as PLY files, which other viewers open: one expression, or a performance frame by frame."""
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +7,10 @@ from numpy.typing import NDArray
 
 from ..models import arkit
 from ..models.gem import Gem
-from ..models.ply import save_ply
+from ..models.ply import save_ply, save_ply_sequence
 from ..models.posing import pose_head
 from ..models.wholefile import file_sha256
+from ..render.gaussians import RawGaussians
 from .errors import InputError, UsageError, cannot_write
 from .files.leftovers import take_over
 from .files.outputs import keep_inputs
@@ -32,7 +32,12 @@ def export_expression(avatar: Path, out: Path, weights: list[str], components: i
         if gem.arkit_weights is None:
             raise InputError(f"{avatar}: knows no ARKit shapes, so --set cannot be used; export a track instead")
         coefficients = gem.clamped(gem.arkit_coefficients(read_weights(weights)))
-    _write(gem, [(out, Pose(coefficients, np.zeros(3, np.float32)))], components)
+    splats = _shown(gem, Pose(coefficients, np.zeros(3, np.float32)), components)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        save_ply(splats, out)
+    except OSError as error:
+        raise cannot_write(out, error) from error
 
 
 def export_track(avatar: Path, track: Path, out: Path, components: int | None = None) -> None:
@@ -43,8 +48,10 @@ def export_track(avatar: Path, track: Path, out: Path, components: int | None = 
     performance = load_track(track)
     check_track(opened, performance, track)
     take_over(out, ".ply", {"avatar": opened.sha256, "track": file_sha256(track), "components": str(components)})
-    shots = ((out / f"frame_{i:06d}.ply", pose) for i, pose in enumerate(performance.poses))
-    _write(opened.gem, shots, components)
+    try:
+        save_ply_sequence((_shown(opened.gem, pose, components) for pose in performance.poses), out)
+    except OSError as error:
+        raise cannot_write(out, error) from error
 
 
 def read_weights(words: list[str]) -> NDArray[np.float32]:
@@ -64,12 +71,7 @@ def read_weights(words: list[str]) -> NDArray[np.float32]:
     return weights
 
 
-def _write(gem: Gem, shots: Iterable[tuple[Path, Pose]], components: int | None) -> None:
-    for path, pose in shots:
-        splats = gem.compose(pose.coefficients, components)
-        splats = pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, pose.translation)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            save_ply(splats, path)
-        except OSError as error:
-            raise cannot_write(path, error) from error
+def _shown(gem: Gem, pose: Pose, components: int | None) -> RawGaussians:
+    """The splats of an expression, its head where the pose has it."""
+    splats = gem.compose(pose.coefficients, components)
+    return pose_head(splats, gem.neck_weights, gem.neck_pivot, pose.turn, pose.translation)

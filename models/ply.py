@@ -35,14 +35,12 @@ def save_ply(raw: RawGaussians, path: str | Path) -> None:
     write_whole(Path(path), [_header(len(raw)), table.data])
 
 
-def save_ply_sequence(frames: Iterable[RawGaussians], folder: str | Path) -> int:
-    """Writes frame_000000.ply, frame_000001.ply ... and returns how many. Raises OSError."""
+def save_ply_sequence(frames: Iterable[RawGaussians], folder: str | Path) -> None:
+    """Writes frame_000000.ply, frame_000001.ply ... Raises OSError."""
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    count = 0
-    for count, frame in enumerate(frames, 1):
-        save_ply(frame, place / f"frame_{count - 1:06d}.ply")
-    return count
+    for number, frame in enumerate(frames):
+        save_ply(frame, place / f"frame_{number:06d}.ply")
 
 
 def load_ply(path: str | Path) -> RawGaussians:

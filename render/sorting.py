@@ -2,32 +2,20 @@
 
 import numba
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 _DIGITS, _BITS = 4, 12
 """Passes, and bits that each sorts by: 48 in all. With 16 the counters alone, 1.5 MB, take longer than the splats."""
 _MASK = np.uint64((1 << _BITS) - 1)
 
 
-def back_to_front(depths: ArrayLike) -> NDArray[np.int32]:
-    """Indices of the splats with depth > 0, far to near.
-
-    It is the exact reverse of near to far with ties in the order of their indices. ``depths`` [N] in metres; splats
-    that are not to be drawn have depth 0.
-    """
-    metres = np.ascontiguousarray(depths, np.float64)
-    orders = np.empty((2, len(metres)), np.int32)
-    visible = front_to_back(metres, orders)
-    return orders[0, :visible][::-1].copy()
-
-
 @numba.njit(cache=True)
 def front_to_back(depths, orders):
     """Write the indices of splats with depth > 0, near to far, into orders[0]; returns how many.
 
-    ``depths`` float64 [N], ``orders`` int32 [2, N] (the second row is working space). Positive floats sort like their
-    bits: stable radix passes over the upper 48, which tells depths apart that differ by 1.5e-11 of
-    themselves. The 24 bits of single precision swap enough neighbours of a dense head to be seen at 78 dB.
+    ``depths`` float64 [N], 0 for splats that are not to be drawn, ``orders`` int32 [2, N] (the second row is working
+    space). Ties are in the order of their indices. Positive floats sort like their bits: stable radix passes over the
+    upper 48, which tells depths apart that differ by 1.5e-11 of themselves. The 24 bits of single precision swap enough
+    neighbours of a dense head to be seen at 78 dB.
     """
     keys = depths.view(np.uint64)
     first, second = orders[0], orders[1]

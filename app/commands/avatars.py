@@ -174,9 +174,9 @@ def train_regressor(
     rehearse_with: str | None = None,
     take_over: str | None = None,
     turns_only: bool = False,
-    pictures: Whole = 4000,
+    pictures: Whole | None = None,
     steps: Whole | None = None,
-    seed: Seed = 0,
+    seed: Seed | None = None,
     jobs: Whole | None = None,
     labels: Path | None = None,
     report: Path | None = None,
@@ -197,8 +197,9 @@ def train_regressor(
         turns_only: Learn only how the avatar's head turns, and keep how it answers faces; for an avatar that has a
             regressor.
         pictures: How many random faces of the avatar are drawn and read; 0 with a capture learns from its frames alone.
+            Default: 4,000.
         steps: Training steps of a network. Default: 9,000; with a capture 6,000.
-        seed: The same seed, avatar and sources give the same regressor.
+        seed: The same seed, avatar and sources give the same regressor. Default: 0.
         jobs: How many processes draw pictures and learn, with one thread each; the regressor does not depend on it.
             Default: one for each core, if there is memory for them.
         labels: With a capture: a track of `distill --moments`, `refine --moments` or `fit --split train` with what the
@@ -211,16 +212,19 @@ def train_regressor(
     from ..making.opencapture import is_capture
     from ..making.owntraining import OwnWish, run_own_training
     from ..making.training import TrainingWish, run_taking_over, run_training
+    from ..words import refuse
 
     path = find_avatar(avatar)
     if take_over is not None:
-        learns = (sources, companions, rehearse_with, turns_only, steps, jobs, labels, report, strip)
-        if any(given not in (None, (), False) for given in learns):
+        learns = companions, rehearse_with, turns_only or None, pictures, steps, seed, jobs, labels, report, strip
+        if sources or any(given is not None for given in learns):
             raise UsageError("--take-over trains nothing; leave out captures, videos and what else training takes")
         return run_taking_over(path, out, find_avatar(take_over))
     others = [entry.path for entry in avatars(((SHIPPED, True),)) if entry.name != path.stem]
     if companions is not None:
         others = [find_avatar(name) for name in companions]
+    drawn = TrainingWish.pictures if pictures is None else pictures
+    chance = TrainingWish.seed if seed is None else seed
     captures = [source for source in sources if is_capture(source)]
     videos = [source for source in sources if source not in captures]
     if not captures:
@@ -230,7 +234,7 @@ def train_regressor(
         lasting = TrainingWish.steps if steps is None else steps
         if turns_only and former is not None:
             raise UsageError("--rehearse-with has no effect with --turns-only; leave one of them out")
-        wish = TrainingWish(tuple(videos), tuple(others), former, pictures, lasting, seed, jobs, turns_only)
+        wish = TrainingWish(tuple(videos), tuple(others), former, drawn, lasting, chance, jobs, turns_only)
         return run_training(path, out, wish)
     if turns_only:
         raise UsageError("--turns-only does not go with a capture; leave out one of them")
@@ -238,6 +242,10 @@ def train_regressor(
         raise UsageError("--rehearse-with does not go with a capture, whose own frames say how its person moves")
     if len(captures) > 1:
         raise UsageError(f"{captures[1]}: is a second capture; an avatar is of one person, give one")
+    if drawn == 0:
+        refuse("--pictures 0, which learns from the capture's frames alone", companions=companions, jobs=jobs)
+        if videos:
+            raise UsageError(f"{videos[0]}: does nothing for --pictures 0; leave it out")
     lasting = OwnWish.steps if steps is None else steps
-    own = OwnWish(tuple(videos), tuple(others), pictures, lasting, seed, labels, report, strip, jobs)
+    own = OwnWish(tuple(videos), tuple(others), drawn, lasting, chance, labels, report, strip, jobs)
     return run_own_training(path, captures[0], out or path, own)

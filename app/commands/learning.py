@@ -131,7 +131,7 @@ def evaluate(
     seconds: float | None = None,
     shots: Whole | None = None,
     everything: Annotated[bool, Parameter(name="--all", negative=())] = False,
-    lpips: Literal["vgg", "alex", "none"] = "vgg",
+    lpips: Literal["vgg", "alex", "none"] | None = None,
     components: Annotated[list[Whole] | None, Parameter(consume_multiple=True, negative=())] = None,
     jobs: Whole | None = None,
 ) -> int:
@@ -153,7 +153,8 @@ def evaluate(
         seconds: Take only the first so many seconds of every driver. Default: 30.
         shots: How many pictures of either kind, evenly over moments and cameras. Default: 24.
         everything: Every picture instead.
-        lpips: By which network LPIPS is measured; alex is 20 times faster, the paper has vgg.
+        lpips: By which network LPIPS is measured: vgg, alex or none; alex is 20 times faster, vgg, the default, is the
+            paper's.
         components: Judge each GEM with so many of its components, too: quality, size of the file, frames a second.
         jobs: How many processes judge, with one thread each; the figures do not depend on it. Default: one for each
             core, if there is memory for them.
@@ -164,6 +165,8 @@ def evaluate(
 
     if capture is not None and not drivers:
         refuse("a capture alone", every=every, seconds=seconds)
+    if capture is None and drivers:
+        refuse("drivers alone", shots=shots, all=everything or None, lpips=lpips, jobs=jobs)
     if everything:
         refuse("--all", shots=shots)
     crossing = CrossingWish(
@@ -172,7 +175,8 @@ def evaluate(
         CrossingWish.seconds if seconds is None else seconds,
     )
     number = EvaluateWish.shots if shots is None else shots
+    network = lpips or EvaluateWish.lpips
     wish = EvaluateWish(
-        tuple(against or ()), None if everything else number, lpips, crossing, tuple(components or ()), jobs
+        tuple(against or ()), None if everything else number, network, crossing, tuple(components or ()), jobs
     )
     return run_evaluating(avatar, capture, out, wish)

@@ -56,7 +56,7 @@ def crossing_json(
         doubles: driver -> correlations [channels] with his mirror image.
         size: side of the avatars' pictures in pixels.
         every: each N-th frame was taken ...
-        seconds: ... of so many of each clip.
+        seconds: ... of at most so many of each clip; what was taken is beside each driver.
         notes: sentences for the reader.
     """
     return {
@@ -102,6 +102,7 @@ def _driver_json(tracked: "Tracked") -> dict[str, Any]:
         "name": tracked.name,
         "sha256": tracked.driver.sha256,
         "frames": len(clip.readings),
+        "seconds": round(clip.seconds, 2),
         "without_face": clip.lost,
         "neutral_seconds": round(clip.neutral_time, 3),
         "neutral": clip.reason,

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...models.crossing.clip import Clip, UnseenDriver, track_clip
+from ...models.crossing.clip import Clip, ShortClip, UnseenDriver, track_clip
 from ...models.crossing.double import Double, mirrored
 from ...models.crossing.kept import Kept
 from ...models.crossing.reading import Image
@@ -30,10 +30,17 @@ class Driver:
         return ((frame.rgb, frame.seconds) for frame in self.source.frames())
 
     def tracked(self, every: int, seconds: float, kept: Kept) -> "Tracked":
-        """The clip as readings. Raises InputError, NoFaceError when too few frames show a face, OSError."""
+        """The clip as readings. Raises InputError, also for too few frames, NoFaceError when too few of them show a
+        face, OSError."""
         made_of = [self.sha256, every, seconds, FEATURE_VERSION]
         try:
             clip = kept.get("clip", made_of, Clip, lambda: track_clip(self.frames(), every, seconds))
+        except ShortClip as error:
+            asked, cure = (
+                f"--every {every}, --seconds {seconds:g}",
+                "give a longer clip, more --seconds, a smaller --every",
+            )
+            raise InputError(f"{self.source.path}: {error} ({asked}); {cure}") from error
         except UnseenDriver as error:
             cure = "give a longer clip that shows a face, or a smaller --every"
             raise NoFaceError(f"{self.source.path}: {error}; {cure}") from error

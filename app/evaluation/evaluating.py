@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -11,7 +12,7 @@ from typing import Any
 
 from ...models.captures.layout import CaptureError
 from ...models.metrics.tables import DIGITS
-from ...models.wholefile import write_whole
+from ...models.wholefile import open_ordinary, write_whole
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError, cannot_write
 from ..jobs import check_jobs
 from ..machine import cpu_name
@@ -30,6 +31,9 @@ MOST_SHOTS = 1_000_000
 JUDGED = "judged"
 """Folder in the report with what is not done again."""
 PAGE, FIGURES = "report.html", "report.json"
+COMMAND = "gemheads evaluate"
+HEAD_BYTES = 1000
+"""Of a report's figures: the command that made them stands there."""
 
 
 @dataclass(frozen=True)
@@ -100,11 +104,23 @@ def _check(capture: Path | None, out: Path, wish: EvaluateWish) -> None:
         raise UsageError(f"{out}: is a file; name a folder")
     if out.suffix in (".html", ".json"):
         raise UsageError(f"{out}: the report is a folder, such as -o {out.with_suffix('')}")
+    for there in (out / name for name in (FIGURES, PAGE)):
+        if there.exists() and not _is_report(out / FIGURES):
+            raise UsageError(f"{there}: was not written by evaluate, and would be written over; name another folder")
     check_crossing(wish.crossing)
     if capture is None:
         return  # drivers are judged without torch
     with TrainingExtra("evaluating"):
         import_module("...models.train.judging.evaluate", __package__)
+
+
+def _is_report(figures: Path) -> bool:
+    """Whether an earlier evaluation wrote them."""
+    try:
+        with open_ordinary(figures) as (file, _):
+            return f'"command": "{COMMAND} '.encode() in file.read(HEAD_BYTES)
+    except OSError:
+        return False
 
 
 def _page(report: Mapping[str, Any], judged: Judged, sizes: Sizes | None, crossing: Crossing | None) -> str:
@@ -113,15 +129,16 @@ def _page(report: Mapping[str, Any], judged: Judged, sizes: Sizes | None, crossi
 
 def _command(avatar: str, capture: Path | None, wish: EvaluateWish) -> str:
     """The command line, names without the folders of this machine; what has no say in the figures is left out."""
-    words = ["gemheads evaluate", Path(avatar).name, *([] if capture is None else [capture.resolve().name])]
+    words = [*COMMAND.split(), Path(avatar).name, *([] if capture is None else [capture.resolve().name])]
     words += ["--against", *(Path(word).name for word in wish.against)] if wish.against else []
     if capture is not None:
-        words += ["--all" if wish.shots is None else f"--shots {wish.shots}", f"--lpips {wish.lpips}"]
+        words += ["--all"] if wish.shots is None else ["--shots", str(wish.shots)]
+        words += ["--lpips", wish.lpips]
         words += ["--components", *map(str, wish.components)] if wish.components else []
     if wish.crossing.drivers:
         words += ["--drivers", *(Path(word).name for word in wish.crossing.drivers)]
-        words += [f"--every {wish.crossing.every}", f"--seconds {wish.crossing.seconds:g}"]
-    return " ".join([*words, "-o REPORT"])
+        words += ["--every", str(wish.crossing.every), "--seconds", f"{wish.crossing.seconds:g}"]
+    return shlex.join([*words, "-o", "REPORT"])
 
 
 def _report(

@@ -64,15 +64,18 @@ class _Candidate:
 
 
 def check_sizes(counts: Sequence[int], columns: Sequence[Entrant]) -> None:
-    """Raises UsageError where no GEM has so few components."""
+    """Raises UsageError where no GEM has so many components, or any."""
     if not counts:
         return
     stored = [entrant.column.components for entrant in columns if entrant.column.components is not None]
     most = max(stored, default=0)
     for wanted in counts:
+        if not stored:
+            raise UsageError(f"--components {wanted}: none of the avatars is a .gem; leave it out")
+        if not most:
+            raise UsageError(f"--components {wanted}: no .gem among the avatars moves, so it has none; leave it out")
         if not 1 <= wanted <= most:
-            cure = f"choose from 1 to {most}" if stored else "none of the avatars is a .gem"
-            raise UsageError(f"--components {wanted}: {cure}")
+            raise UsageError(f"--components {wanted}: choose from 1 to {most}")
 
 
 def judge_sizes(jury: Jury, columns: Sequence[Entrant], counts: Sequence[int]) -> Sizes:

@@ -80,7 +80,7 @@ def cross(
         doubles[tracked.name] = double_correlations(tracked.clip, tracked.double(kept))
     pictures = CrossingPictures({tracked.name: tracked.clip for tracked in clips})
     rows: list[Row] = []
-    notes: list[str] = []
+    notes = [_full(tracked) for tracked in clips if tracked.clip.full]
     for entrant in columns:
         try:
             tried = trials(entrant, notes)
@@ -96,6 +96,15 @@ def cross(
         raise InputError(" ".join(notes))
     figures = crossing_json(rows, clips, doubles, SIZE, wish.every, wish.seconds, notes)
     return Crossing(figures, pictures, crossing_said(figures))
+
+
+def _full(tracked: Tracked) -> str:
+    """What the reader has to know of a clip that goes on behind what is kept of it."""
+    clip = tracked.clip
+    return (
+        f"Of {tracked.name} the first {len(clip.times):,} frames with a face are taken, {clip.seconds:.1f} s: no more"
+        " are kept; a larger --every reaches farther."
+    )
 
 
 def _row(

@@ -111,6 +111,9 @@ def _foreign(path: Path, wanted: Wanted) -> Source:
         return load_lam(lams[0]).source(perform(np.random.default_rng(wanted.seed), frames))
     if lams:
         raise UsageError(f"{path}: holds {len(lams)} avatars; give one, such as {lams[0]}")
+    deeper = sorted(path.glob(f"*/*/{MESH}")) if path.is_dir() else []
+    if deeper and not any(file.suffix.lower() == ".ply" for file in path.iterdir()):
+        raise UsageError(f"{path}: holds avatars, but farther down; give one, such as {deeper[0].parent}")
     if path.suffix in (".zip", ".glb", ".gem"):
         raise UsageError(f"{path}: give a folder with {MESH} and offset.ply (unpack a .zip first), or PLY files")
     if path.exists():

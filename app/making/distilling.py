@@ -57,6 +57,8 @@ def run_distilling(place: str, out: Path, wanted: Wanted) -> ExitCode:
             ) from error
         for note in source.notes:
             bar.say(f"{place}: {note}")
+        if not gem.coefficient_count:
+            bar.say(f"{out}: does not move, so no face can drive it; give several frames that differ")
     try:
         save_gem(gem, out)
     except GemFormatError as error:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...models.captures.layout import CaptureError
+from ...models.driver.regressor import Regressor
 from ...models.gemfile import load_gem, read_info, save_gem
 from ..errors import ExitCode, InputError, NoFaceError, TrainingExtra, UsageError
 from ..files.pictures import write_png
@@ -14,7 +15,7 @@ from ..performing.casting import open_avatar
 from ..progress import ProgressBar
 from ..reenacting.reports import write_json
 from .opencapture import opened
-from .training import LEAST_PICTURES, check_learning, processes
+from .training import LEAST_PICTURES, check_learning, check_moves, check_videos, processes
 from .trainingmoments import training_moments
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         from ...models.train.regressors.train_regressor import FEWEST_OF_STRANGERS, pictures_of
         from ...models.train.workers import WorkerLost, Workers
     _check(wish)
+    check_moves(avatar, *wish.companions)
+    check_videos(wish.videos)
     cast, footage = open_avatar(avatar), opened(capture)
     check_avatar_name(out)
     own = None if out.resolve() == avatar.resolve() else avatar
@@ -70,6 +73,7 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
                 for path in (wish.companions if wish.pictures else ())
             ]
             learned = capture_regressor(cast.gem, footage, moments, effort, others, videos, bar.reach, workers)
+            Regressor.of(learned.gem)  # what cannot be opened is not saved
     except AvatarNotSeen as error:
         raise NoFaceError(f"{error}; --pictures 0 learns without the avatar's own pictures") from error
     except (CaptureError, ValueError, WorkerLost) as error:

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from ...models.driver.regressor import Regressor
 from ...models.gem import Gem
-from ...models.gemfile import load_gem, read_info, save_gem
+from ...models.gemfile import GemFormatError, load_gem, read_info, save_gem
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.places import check_avatar_name, check_places, save_learned
 from ..jobs import affordable_jobs, check_jobs
@@ -42,12 +43,12 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
     if wish.pictures < LEAST_PICTURES:
         raise UsageError(f"--pictures {wish.pictures}: choose {LEAST_PICTURES} or more")
     check_learning(wish.steps, wish.jobs)
-    for video in wish.videos:
-        if not video.is_file():
-            raise InputError(f"{video}: no such video; check the path")
+    check_moves(avatar, *wish.companions)
+    check_videos(wish.videos)
     out = _place(out or avatar, [*wish.videos, *wish.companions, wish.former])
     try:
         gem, told = (_turns if wish.turns_only else _regressor)(avatar, wish)
+        Regressor.of(gem)  # what cannot be opened is not saved
     # a ValueError is a GemFormatError, a RegressorError, or what is wrong with a video
     except (ValueError, AvatarNotSeen, WorkerLost) as error:
         raise InputError(str(error)) from error
@@ -114,6 +115,26 @@ def check_learning(steps: int, jobs: int | None) -> None:
     check_jobs(jobs)
 
 
+def check_videos(videos: Sequence[Path]) -> None:
+    """Raises InputError for one that is not there, or is a folder."""
+    for video in videos:
+        if video.is_dir():
+            raise InputError(f"{video}: is a folder, and no capture; give video files, or the folder of a capture")
+        if not video.is_file():
+            raise InputError(f"{video}: no such video; check the path")
+
+
+def check_moves(*avatars: Path) -> None:
+    """Raises InputError for an avatar without components: there is nothing that a regressor could answer."""
+    for avatar in avatars:
+        try:
+            layout = read_info(avatar).layout
+        except GemFormatError as error:
+            raise InputError(str(error)) from error
+        if not any(layout.components.values()):
+            raise InputError(f"{avatar}: does not move, so no face can drive it; distill it from several frames")
+
+
 def processes(jobs: int | None) -> int:
     """How many share the work where ``jobs`` are asked for, or none in particular."""
     return affordable_jobs(MEMORY) if jobs is None else jobs
@@ -123,6 +144,7 @@ def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
     """Save an avatar with what ``former`` has learned. Raises InputError and OutputError."""
     with TrainingExtra("training"):
         from ...models.train.regressors.takeover import taken_over
+    check_moves(avatar)
     out = _place(out or avatar, [former])
     try:
         gem = load_gem(avatar)

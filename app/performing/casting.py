@@ -53,7 +53,8 @@ def check_components(avatar: Avatar, components: int | None) -> None:
     """Raises UsageError when the avatar stores fewer components than asked for."""
     stored = avatar.gem.components
     if components is not None and not 1 <= components <= stored:
-        raise UsageError(f"--components {components}: {avatar.path} stores {stored}; choose from 1 to {stored}")
+        cure = f"choose from 1 to {stored}" if stored else "leave it out"
+        raise UsageError(f"--components {components}: {avatar.path} stores {stored}; {cure}")
 
 
 def check_track(avatar: Avatar, track: Track, path: Path) -> None:

@@ -19,6 +19,10 @@ OTHERS = 10
 """Neutrals that are tried beside the chosen one."""
 
 
+class ShortClip(ValueError):
+    """Too few frames of a clip were asked for, whatever they show."""
+
+
 class UnseenDriver(ValueError):
     """Too few frames of a clip show a face."""
 
@@ -44,6 +48,16 @@ class Clip:
     looks: int
     """At each frame."""
 
+    @property
+    def seconds(self) -> float:
+        """From the first frame with a face to the last."""
+        return float(self.times[-1] - self.times[0])
+
+    @property
+    def full(self) -> bool:
+        """Whether it has all frames that are kept, whatever the video still shows behind them."""
+        return len(self.times) >= MOST_FRAMES
+
 
 def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float) -> Clip:
     """Tracks each ``every``-th frame of a clip's first ``seconds``, at most MOST_FRAMES.
@@ -54,7 +68,8 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         seconds: since the first frame's time.
 
     Raises:
-        UnseenDriver: where fewer than FEWEST_FRAMES show a face.
+        ShortClip: where these are fewer than FEWEST_FRAMES.
+        UnseenDriver: where fewer show a face.
     """
     tracker, looks = FaceTracker(), 1 if every == 1 else LOOKS_APART
     faces: list[FaceObservation] = []
@@ -75,6 +90,8 @@ def track_clip(frames: Iterable[tuple[Image, float]], every: int, seconds: float
         faces.append(face)
         times.append(now)
         pictures.append(packed(face_square(picture, face.box_px)))
+    if len(faces) + lost < FEWEST_FRAMES:
+        raise ShortClip(f"{len(faces) + lost} frames are taken, {FEWEST_FRAMES} are needed")
     if len(faces) < FEWEST_FRAMES:
         raise UnseenDriver(f"a face in {len(faces)} of {len(faces) + lost} frames, {FEWEST_FRAMES} are needed")
     choice = choose_neutral(faces, times)

@@ -18,9 +18,10 @@ class Agreement:
     """Of a driver's and an avatar's embeddings over F frames."""
 
     cosine: float
-    """Mean over frames of the cosine between both, in [-1, 1]: larger is better."""
+    """Mean over frames of the cosine between both, in [-1, 1]: larger is better. Frames in which the driver's is zero,
+    as at his own neutral, have no direction to follow and are left out; an avatar's that is zero counts as 0."""
     chance: float
-    """The same when each frame of the driver is paired with every frame of the avatar: what is no merit."""
+    """The same, of the same frames, each of the driver paired with every one of the avatar: what is no merit."""
     l1: float
     """Mean over frames and values of the absolute difference, in the network's own units: smaller is better."""
     frechet: float
@@ -34,10 +35,12 @@ def agreement(driver: Floats, avatar: Floats) -> Agreement:
             f"embeddings {list(driver.shape)} and {list(avatar.shape)}: the same frames of both are needed"
         )
     driver, avatar = np.asarray(driver, np.float64), np.asarray(avatar, np.float64)
-    a, b = _directions(driver), _directions(avatar)
+    somewhere = np.linalg.norm(driver, axis=1) > _LEAST
+    a, b = _directions(driver[somewhere]), _directions(avatar[somewhere])
+    count = max(len(a), 1)
     return Agreement(
-        cosine=float((a * b).sum(1).mean()),
-        chance=float(a.mean(0) @ b.mean(0)),
+        cosine=float((a * b).sum() / count),
+        chance=float(a.sum(0) @ b.sum(0) / count**2),
         l1=float(np.abs(driver - avatar).mean()),
         frechet=frechet(driver, avatar),
     )

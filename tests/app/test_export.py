@@ -10,10 +10,12 @@ from gemheads.app.errors import ExitCode
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.tracks import Track, save_track
 from gemheads.models import arkit
-from gemheads.models.gemfile import load_gem
+from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 from gemheads.render.gaussians import Gaussians, activate
+from gems import COMPONENTS, statue
 from plyfile import PlyData
+from refusals import refused
 
 SH_C0 = 0.28209479177387814
 
@@ -110,3 +112,16 @@ def test_an_avatar_called_like_a_result_is_kept(tiny: Path, tmp_path: Path) -> N
         (tmp_path / name).write_bytes(tiny.read_bytes())
         assert main([command, str(tmp_path / name), "-o", str(tmp_path / name)]) == ExitCode.USAGE
         assert (tmp_path / name).read_bytes() == tiny.read_bytes()
+
+
+def test_components_that_an_avatar_lacks_are_refused(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_gem(statue(), tmp_path / "statue.gem")
+    for avatar, cure in (
+        (tiny, f"stores {COMPONENTS}; choose from 1 to {COMPONENTS}"),
+        (tmp_path / "statue.gem", "stores 0; leave it out"),
+    ):
+        code, error = refused(capsys, "export", avatar, "-o", tmp_path / "a.ply", "--components", "99")
+        assert code == ExitCode.USAGE
+        assert cure in error

@@ -6,11 +6,13 @@ Every picture is a frame of what ``gemheads reenact`` writes for the clip.
 """
 
 import argparse
+import sys
 import tempfile
 from pathlib import Path
 
 import cv2
 import numpy as np
+from gemheads.app.errors import CommandError
 from gemheads.app.files.video import VideoFile
 from gemheads.app.library import DEMO_CLIP, find_avatar
 from gemheads.app.reenacting.reenact import reenact
@@ -22,7 +24,7 @@ QUALITY = 88
 WHY = "a strip of small pictures, which says what they are beside them"
 
 
-def main() -> None:
+def main() -> int:
     """The command; see ``--help``."""
     parser = argparse.ArgumentParser(description="A driver above the avatars that repeat it.")
     parser.add_argument("avatars", nargs="*", default=["mara", "theo", "jonah"], help="names or files")
@@ -30,15 +32,22 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, nargs="+", default=[0.3, 0.93, 1.63, 4.23, 5.83, 7.0, 8.17, 9.57])
     parser.add_argument("-o", dest="out", type=Path, required=True, help="JPEG or PNG")
     options = parser.parse_args()
-    rows = [_row(options.driver, options.seconds)]
-    with tempfile.TemporaryDirectory() as folder:
-        for avatar in options.avatars:
-            video = Path(folder) / f"{Path(avatar).stem}.mp4"
-            reenact([str(options.driver)], str(video), Wish(find_avatar(avatar), no_badge=WHY))
-            rows.append(_row(video, options.seconds))
+    try:
+        rows = [_row(options.driver, options.seconds)]
+        with tempfile.TemporaryDirectory() as folder:
+            for avatar in options.avatars:
+                video = Path(folder) / f"{Path(avatar).stem}.mp4"
+                code = reenact([str(options.driver)], str(video), Wish(find_avatar(avatar), no_badge=WHY))
+                if code:
+                    return code  # it has said why
+                rows.append(_row(video, options.seconds))
+    except CommandError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return error.code
     strip = cv2.cvtColor(np.concatenate(rows), cv2.COLOR_RGB2BGR)
     jpeg = options.out.suffix.lower() in (".jpg", ".jpeg")
     cv2.imwrite(str(options.out), strip, [cv2.IMWRITE_JPEG_QUALITY, QUALITY] if jpeg else [])
+    return 0
 
 
 def _row(video: Path, seconds: list[float]) -> NDArray[np.uint8]:
@@ -50,4 +59,4 @@ def _row(video: Path, seconds: list[float]) -> NDArray[np.uint8]:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -34,12 +34,15 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=4, help="take each N-th frame")
     parser.add_argument("--seconds", type=float, default=24.0, help="of each clip")
     asked = parser.parse_args()
+    clips = asked.clips or sorted(DRIVERS.glob("*.mp4"))
+    if not clips:
+        parser.error("no clips: name videos of faces")
     gem = load_gem(asked.avatar)
     regressor = Regressor.of(gem)
     mirrors = [Mirror(gem, size) for size in SIZES]
     kept = Kept(Path(tempfile.gettempdir()) / "gemheads-closed-loop")
     followed, again = [], []
-    for driver in opened_drivers([str(path) for path in asked.clips or sorted(DRIVERS.glob("*.mp4"))]):
+    for driver in opened_drivers([str(path) for path in clips]):
         clip = driver.tracked(asked.every, asked.seconds, kept).clip
         first, second = (echo(clip, regressor, mirror, asked.components) for mirror in mirrors)
         wanted, *read = tables(clip, first, second)
@@ -48,8 +51,14 @@ def main() -> None:
         again.append(np.where(np.isnan(followed[-1]), np.nan, both))
     print("| channel | avatar and driver | the avatar in two sizes |\n|---|---|---|")
     for place, channel in enumerate(SCORE_CHANNELS):
-        cells = (f"{np.nanmedian([clip[place] for clip in figures]):.3f}" for figures in (followed, again))
+        cells = (median([clip[place] for clip in figures]) for figures in (followed, again))
         print(f"| {channel.name} | {' | '.join(cells)} |")
+
+
+def median(figures: list[float]) -> str:
+    """Of the clips in which somebody does it at all."""
+    known = [figure for figure in figures if not np.isnan(figure)]
+    return f"{np.median(known):.3f}" if known else "-"
 
 
 def tables(clip: Clip, first: Echo, second: Echo) -> list[NDArray[np.float64]]:

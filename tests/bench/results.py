@@ -31,7 +31,7 @@ gemheads train learned/capture -o learned/run64 --maps 64 --steps 1000
 gemheads distill learned/run64 -o learned/maps64.gem --components 30
 gemheads evaluate learned/refined.gem learned/capture --shots 12 --components 5 10 20 30 -o build/results/learned \\
     --against learned/distilled.gem learned/maps64.gem learned/run learned/rigged learned/blendshapes
-gemheads evaluate mara --against theo jonah --drivers CLIP... -o build/results/strangers
+gemheads evaluate mara --against theo jonah --drivers CLIP... --every 6 --seconds 12 -o build/results/strangers
 python tests/bench/peers/compare.py --write
 python tests/bench/gpu_speed.py mara --docs docs/gpu.md
 python tests/bench/ablations.py learned/capture learned/run --docs docs/ablations.md

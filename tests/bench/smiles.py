@@ -42,6 +42,8 @@ def main() -> None:
     parser.add_argument("--avatars", nargs="+", type=Path, default=sorted((ROOT / "assets" / "avatars").glob("*.gem")))
     parser.add_argument("--cache", type=Path, default=Path(tempfile.gettempdir()) / "gemheads-closed-loop")
     asked = parser.parse_args()
+    if not asked.clips:
+        parser.error("no clips: name videos of faces")
     gems = [load_gem(path) for path in asked.avatars]
     mirrors = [Mirror(gem, SIZE) for gem in gems]
     print("| people, by score | frames | smile | mouth wider, cm | corners higher, cm |\n|---|---|---|---|---|")
@@ -57,9 +59,11 @@ def main() -> None:
             print(f"| {gem.name}, {name} | {' | '.join(f'{left(gem, shape, straight):.2f}' for shape in WHOLE)} |")
     print("\n| asked for its own | smile given back | with teeth | brows lowered with it |\n|---|---|---|---|")
     for mirror in mirrors:
-        plain, teeth = given_back(mirror, mouthSmile=1.0), given_back(mirror, **TEETH)
-        cells = (plain["mouthSmile"], teeth["mouthSmile"], teeth["browDown"])
-        print(f"| {mirror.gem.name} | {' | '.join(f'{cell:.2f}' for cell in cells)} |")
+        cells = ["-"] * 3  # nobody teaches it what to answer
+        if mirror.gem.regressor is not None:
+            plain, teeth = given_back(mirror, mouthSmile=1.0), given_back(mirror, **TEETH)
+            cells = [f"{one:.2f}" for one in (plain["mouthSmile"], teeth["mouthSmile"], teeth["browDown"])]
+        print(f"| {mirror.gem.name} | {' | '.join(cells)} |")
 
 
 def people(clips: list[str], kept: Kept) -> None:
@@ -101,10 +105,8 @@ def left(gem: Gem, shape: str, straight: float) -> float:
 
 def given_back(mirror: Mirror, **weights: float) -> dict[str, float]:
     """Weights of an expression's shapes, and of lowered brows, that the regressor answers to a picture of it."""
-    gem = mirror.gem
-    assert gem.regressor is not None, f"{gem.name} has no regressor"
-    coefficients = Regressor(gem.regressor, gem.coefficient_count)(shown(mirror, **weights), np.zeros(3))
-    answer = controls_of(gem).weights(coefficients[None])[0]
+    coefficients = Regressor.of(mirror.gem)(shown(mirror, **weights), np.zeros(3)).coefficients
+    answer = controls_of(mirror.gem).weights(coefficients[None])[0]
     return {shape: float(answer[weights_of(**{shape: 1.0}) > 0].mean()) for shape in (*weights, "browDown")}
 
 

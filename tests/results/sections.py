@@ -132,11 +132,12 @@ def _crossing(found: Mapping[str, Any]) -> Iterator[str]:
         cited = [_cited(values.get(key), digits) for values in found["published"].values()]
         rows.append([word, *(_number(value, digits) for value in ours), *cited])
     heads = ["", *who, *(f"*paper: {name}*" for name in found["published"])]
-    taken = f"one frame in {found['every']} of their first {found['seconds']:g} s"
+    taken = f"one frame in {found['every']} of at most their first {found['seconds']:g} s"
+    notes = "".join(f" {_plain(note)}" for note in found["notes"])
     yield (
         f"**Table 3, driven by people never seen**: {people}; {taken}."
         " The embedding is the face tracker's own; frames/s of express, compose and draw at"
-        f" {found['size']}x{found['size']}. *Paper: {found['published_by']}.*\n\n{table(heads, rows)}"
+        f" {found['size']}x{found['size']}. *Paper: {found['published_by']}.*{notes}\n\n{table(heads, rows)}"
     )
     rows = [
         [channel["name"], f"{channel['goal']:g}"]

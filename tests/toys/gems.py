@@ -1,4 +1,6 @@
-"""Small avatars: one to be looked through number by number, and one that can be drawn."""
+"""Small avatars: one to be looked through number by number, one that can be drawn, and one that never moves."""
+
+from dataclasses import replace
 
 import numpy as np
 from gemheads.models.gem import CHANNELS, MODALITIES, Basis, Gem, Viewing
@@ -62,3 +64,8 @@ def ball(seed: int = 0) -> Gem:
         arkit_weights=rng.normal(0, 0.01, (52, 4 * COMPONENTS)).astype(np.float32),
         about={"author": "test", "licence": "CC0", "consent": "synthetic", "source": "random numbers"},
     )
+
+
+def statue() -> Gem:
+    """The ball without any component, as a single frame is distilled."""
+    return replace(ball().truncated(0), arkit_weights=None)

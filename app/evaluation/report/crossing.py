@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from html import escape
+from statistics import median
 from typing import Any
 
 from ....models.crossing.compare import Worst
@@ -33,10 +34,10 @@ def _lead(figures: Figures) -> str:
     count = len(figures["drivers"])
     text = (
         f"{count} {'person drives' if count == 1 else 'people drive'} the avatars: each {_nth(figures['every'])}frame"
-        f" of the first {figures['seconds']:g} s, without smoothing. The face tracker then reads the avatar's own"
-        f" pictures ({figures['size']}x{figures['size']}), and both are compared, each relative to its own neutral. The"
-        " baseline has learned nothing: the tracker's scores as ARKit weights. The tracker that judges is the one that"
-        " drives, so look at the strips, too. What is drawn is synthetic."
+        f" of at most the first {figures['seconds']:g} s, without smoothing. The face tracker then reads the avatar's"
+        f" own pictures ({figures['size']}x{figures['size']}), and both are compared, each relative to its own neutral."
+        " The baseline has learned nothing: the tracker's scores as ARKit weights. The tracker that judges is the one"
+        " that drives, so look at the strips, too. What is drawn is synthetic."
     )
     return f"<p>{escape(text)}</p>"
 
@@ -84,8 +85,9 @@ def _embeddings(figures: Figures) -> str:
     text = (
         "All drivers together. The embedding is the face tracker's own [512], driver and avatar each relative to their"
         " neutral; it is not the paper's network, so only rows of one kind can be compared. By chance: the cosine when"
-        " frames are paired at random. fps: one step of express, compose and draw by the software engine, median; the"
-        " rows of one avatar were measured by turns."
+        " frames are paired at random. A driver's own neutral frame has none and is left out. fps:"
+        " one step of express, compose and draw by the software engine, median; the rows of one avatar were measured by"
+        " turns."
     )
     note = f"<p class='small'>* {escape(figures['published_by'])}.</p>"
     return f"<h3>Expression embedding and speed</h3><p class='small'>{escape(text)}</p>{table(heads, rows)}{note}"
@@ -140,7 +142,7 @@ def _scene(driver: Figures, rows: Sequence[Figures], scene: Scene) -> str:
     """One driver: film strips, worst frames, curves."""
     name = driver["name"]
     lost = f", {driver['without_face']} without a face" if driver["without_face"] else ""
-    told = f"{driver['frames']} frames{lost}. Neutral: {driver['neutral']}."
+    told = f"{driver['frames']} frames in {driver['seconds']:.1f} s{lost}. Neutral: {driver['neutral']}."
     strips = "".join(
         f"<tr><th>{escape(who)}</th><td><img alt='{escape(who)}' src='{url}'></td></tr>"
         for who, url in scene.strips.items()
@@ -185,8 +187,8 @@ def _every_channel(told: Figures, figures: Figures) -> str:
         cells += [_followed(of, channel) for of in moved]
         moved = [of for of in moved if of["correlation"][name] is not None]
         for kind in ("amplitude", "unrest"):
-            known = sorted(of[kind][name] for of in moved if of[kind][name] is not None)
-            cells.append(_number(known[len(known) // 2] if known else None, 2))
+            known = [of[kind][name] for of in moved if of[kind][name] is not None]
+            cells.append(_number(median(known) if known else None, 2))
         rows.append(row(cells))
     heads = ["correlation", *drivers, "amplitude", "unrest"]
     text = (

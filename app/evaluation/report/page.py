@@ -41,7 +41,7 @@ def page(
     for split, table in report["tables"].items():
         body.append(_split(table, galleries[split]))
     if sized is not None:
-        body.append(sizes_section(report["sizes"], sized))
+        body.append(sizes_section(report["sizes"], sized, [column["name"] for column in report["avatars"]]))
     if driven is not None:
         body.append(crossing_section(report["crossing"], driven))
     body.append(_made(report))

@@ -1,6 +1,6 @@
 """The page's section on components and map sizes: Table 4 and Figure 8 of the paper."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -13,12 +13,13 @@ from .pieces import row, table
 FORMS = ("int8", "fp16", "fp32")
 
 
-def sizes_section(figures: Mapping[str, Any], gallery: Gallery) -> str:
-    """HTML of ``figures``, which report.json holds, and the pictures."""
+def sizes_section(figures: Mapping[str, Any], gallery: Gallery, avatars: Sequence[str]) -> str:
+    """HTML of ``figures``, which report.json holds, and the pictures; ``avatars`` are all columns of the report, of
+    which some may have no row here."""
     parts = ["<h2>Components and map size</h2>", f"<p>{escape(_about(figures))}</p>"]
     parts += [f"<p class='note'>{escape(note)}</p>" for note in figures["notes"]]
     parts.append(_table(figures) + _published(figures))
-    parts.append(f"<div class='curves'>{_over_components(figures)}{_over_time(figures)}</div>")
+    parts.append(f"<div class='curves'>{_over_components(figures, avatars)}{_over_time(figures)}</div>")
     names = [told["label"] for told in figures["rows"]]
     parts.append(f"<h3>Where fewer components differ</h3>{compared(gallery, figures['pictures'], names)}")
     return "".join([*parts, film_strip(gallery)])
@@ -66,16 +67,20 @@ def _cells(told: Mapping[str, Any]) -> list[str]:
     return [_number(told["psnr"], 2), f"{told['megabytes']:g}", _number(told["fps"], 1)]
 
 
-def _over_components(figures: Mapping[str, Any]) -> str:
-    """PSNR of each avatar by how many of its components are used; a run has no line, and keeps its colour."""
+def _over_components(figures: Mapping[str, Any], avatars: Sequence[str]) -> str:
+    """PSNR of each avatar by how many of its components are used; who has no line keeps the colour."""
     counts = sorted({told["components"] for told in figures["rows"] if told["components"] is not None})
     series: dict[str, list[float | None]] = {}
+    colors: dict[str, str] = {}
     for told in figures["rows"]:
-        line = series.setdefault(f"{told['avatar']}, {told['maps']} maps", [None] * len(counts))
-        if told["components"] is not None:
-            line[counts.index(told["components"])] = told["means"]["PSNR"]
+        if told["components"] is None:
+            continue
+        name = f"{told['avatar']}, {told['maps']} maps"
+        colors[name] = color_of(avatars.index(told["avatar"]))
+        line = series.setdefault(name, [None] * len(counts))
+        line[counts.index(told["components"])] = told["means"]["PSNR"]
     labels = [f"{count} components" for count in counts]
-    return curve_svg("PSNR by components, colours of the avatars", series, labels, DIGITS["PSNR"])
+    return curve_svg("PSNR by components, colours of the avatars", series, labels, DIGITS["PSNR"], [*colors.values()])
 
 
 def _over_time(figures: Mapping[str, Any]) -> str:

@@ -1,8 +1,9 @@
 """The regressor of a captured person: the paper's recipe on its own frames, and the loop closed for everybody else.
 
-Section 3.2: features of the five most frontal cameras, relative to the neutral, reduced by PCA; an MLP to coefficients.
-The labels are distilled or fitted coefficients, and pictures are compared beside them. One person's frames teach that
-person only; so strangers are followed by the closed loop (``closing``), whose answers keep to what the person did.
+Section 3.2: features of the five most frontal training cameras, relative to the neutral, reduced by PCA; an MLP to
+coefficients. The labels are distilled or fitted coefficients, and pictures are compared beside them. One person's
+frames teach that person only; so strangers are followed by the closed loop (``closing``), whose answers keep to what
+the person did.
 """
 
 from collections.abc import Mapping, Sequence
@@ -66,6 +67,7 @@ class CaptureRegressor:
     sightings: Sightings
     """The training pictures that the tracker saw."""
     cameras: tuple[int, ...]
+    """Whose pictures the tracker looked at, the most frontal one first."""
     response_r2: float | None
     """Share of the channels' variance that the model of the avatar's response explains; None without the loop."""
     mismatches: tuple[float, float] | None
@@ -101,9 +103,10 @@ def capture_regressor(
         ValueError: where the moments belong to none of the pictures, or no two faces differ.
     """
     rng = np.random.default_rng(effort.seed)
-    cameras = frontal_cameras(capture)
+    cameras = frontal_cameras(capture, "train")
     neutral = neutral_of(capture)
     shots = [shot for shot in capture.train if shot.camera_index in cameras and shot.timestep in moments]
+    cameras = tuple(camera for camera in cameras if any(shot.camera_index == camera for shot in shots))
     sightings = see(capture, shots, neutral, lambda done, total: progress("faces", done, total))
     labelled = Labelled(gem, sightings, moments, rng)
     pictured = Pictured(gem, capture, sightings, moments, rng)

@@ -55,7 +55,7 @@ def self_reenactment(
     Raises ValueError where it shows no face, or the avatar has no regressor.
     """
     regressor = Regressor.of(gem)
-    cameras = frontal_cameras(capture)
+    cameras = frontal_cameras(capture, "test")
     shots = [shot for shot in capture.shots("test") if shot.camera_index in cameras]
     front = next((c for c in cameras if any(shot.camera_index == c for shot in shots)), -1)
     judged = {shot.timestep for shot in spaced([shot for shot in shots if shot.camera_index == front], MOMENTS)}
@@ -79,7 +79,7 @@ def _judged(
     standin = StandIn(capture)
     values: dict[str, list[tuple[float, float]]] = {row: [] for row in ROWS}
     columns: list[NDArray[np.uint8]] = []
-    in_front = next(c for c in frontal_cameras(capture) if any(shot.camera_index == c for shot in seen.shots))
+    in_front = next(c for c in frontal_cameras(capture, "test") if any(shot.camera_index == c for shot in seen.shots))
     shown = {shot.picture for shot in spaced([s for s in seen.shots if s.camera_index == in_front], STRIP)}
     for shot, coefficients in zip(seen.shots, driven, strict=True):
         truth = standin.truth(shot)

@@ -43,9 +43,10 @@ class Sightings:
         return len(self.shots)
 
 
-def frontal_cameras(capture: Capture, count: int = FRONTAL) -> tuple[int, ...]:
-    """The cameras that look the person in the face, the most frontal one first."""
-    places = {shot.camera_index: shot.camera.center for split in ("train", "test") for shot in capture.shots(split)}
+def frontal_cameras(capture: Capture, split: str, count: int = FRONTAL) -> tuple[int, ...]:
+    """Of the cameras that took a split's pictures those that look the person in the face, the most frontal one first.
+    The one that is held out of training is often the most frontal of all, and in the test split."""
+    places = {shot.camera_index: shot.camera.center for shot in capture.shots(split)}
     target = np.asarray(capture.viewing().target)
 
     def turned(camera: int) -> float:
@@ -58,7 +59,7 @@ def frontal_cameras(capture: Capture, count: int = FRONTAL) -> tuple[int, ...]:
 def neutral_of(capture: Capture) -> Neutral:
     """The neutral among the training pictures of the most frontal camera: the moments whose mesh is nearest to the
     template. Raises CaptureError where the tracker sees a face in none of them."""
-    front = next(c for c in frontal_cameras(capture, 99) if any(shot.camera_index == c for shot in capture.train))
+    (front,) = frontal_cameras(capture, "train", 1)
     shots = {shot.timestep: shot for shot in capture.train if shot.camera_index == front}
     at_rest = capture.template.vertices
 

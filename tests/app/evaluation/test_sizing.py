@@ -1,6 +1,7 @@
 """`evaluate --components` and `--jobs`: what fewer components cost and save, by however many processes."""
 
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from gemheads.models.train.judging.crew import Crew
 from gemheads.models.train.judging.evaluate import Alone
 from gemheads.models.train.judging.ledger import Record
 from gemheads.models.train.workers import WorkerLost
+from gems import statue
 from refusals import refused
 
 
@@ -141,6 +143,16 @@ def test_what_cannot_be_is_one_line(
     assert not (tmp_path / "r").exists()
 
 
+def test_components_of_what_does_not_move_are_refused(
+    toy_capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_gem(statue(), tmp_path / "statue.gem")
+    words = (tmp_path / "statue.gem", toy_capture, "-o", tmp_path / "r", "--components", "1")
+    code, error = refused(capsys, "evaluate", *words)
+    assert code == ExitCode.USAGE
+    assert error == "error: --components 1: no .gem among the avatars moves, so it has none; leave it out\n"
+
+
 def figures(psnrs: dict[str, Sequence[float]], components: Sequence[int | None], capture: Path) -> dict[str, Any]:
     shots = open_capture(capture).test[:2]
     variants = [
@@ -167,11 +179,13 @@ def test_the_section_says_what_was_found_and_what_the_paper_has(toy_capture: Pat
         for place in (0, 1):
             gallery.add(row, place, image, image)
         gallery.end_row(row)
-    html = sizes_section(told, gallery)
+    html = sizes_section(told, gallery, ["none", "a<b", "cnn"])
     assert "a<b" not in html
     assert "&lt;note&gt;" in html
     assert "26.00" in html
     assert all(f"{row.psnr:.2f}" in html for row in SIZES)
     assert html.count("a&lt;b, 24 maps, 1 components: 21.00") == 1
     assert color_of(2) in html
+    curve = html.split("PSNR by components")[2].split("</svg>")[0]
+    assert re.findall('stroke="(#.*?)"', curve) == [color_of(1)]  # of its column, though the first has no row
     assert html.count("data:image/jpeg") == 4 + 2 * (1 + 2 * 3)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import subprocess
 import sys
 from dataclasses import replace
@@ -136,6 +137,11 @@ def test_all_drivers_drive_all_avatars_by_all_ways(
             assert leak["yaw_ratio"][unit] == pytest.approx(ratio, rel=0.02, abs=1e-3)
         assert leak["met"] == (leak["yaw_ratio"]["sigma"] <= 0.25)
         assert steady["neutrals"]["mean"]["sigma"] > 0
+    every_channel = (out / "report.html").read_text().split("Every channel: learned, regressor")[1]
+    cells = re.findall("<td>(.*?)</td>", every_channel.split("<td>mouthSmile</td>")[1].split("</tr>")[0])
+    for cell, kind in zip(cells[-2:], ("amplitude", "unrest"), strict=True):
+        both = [rows["learned", "regressor"]["drivers"][driver][kind]["mouthSmile"] for driver in ("ann", "bob")]
+        assert cell == f"{np.median(both):.2f}"
     jitter = rows["learned", "regressor"]["robustness"]["jitter"]
     assert jitter["raw"]["sigma"] > jitter["smoothed"]["sigma"] > 0
     assert report["mirror_image"]["median"]["mouthSmile"] > 0.99
@@ -213,6 +219,33 @@ def test_another_clip_under_the_same_name_and_other_settings_are_judged_anew(
     assert report_of(out)["drivers"][0]["frames"] == 8
 
 
+def test_a_clip_of_which_not_all_is_kept_says_how_much(
+    tiny: Path,
+    drivers: tuple[Path, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(clip, "MOST_FRAMES", 11)
+    out = tmp_path / "r"
+    assert evaluate(tiny, "--drivers", drivers[0], "-o", out, "--every", 1) == ExitCode.OK
+    said = (
+        "Of ann the first 11 frames with a face are taken, 0.4 s: no more are kept; a larger --every reaches farther."
+    )
+    assert said in capsys.readouterr().out
+    assert said in report_of(out)["notes"]
+    assert report_of(out)["drivers"][0]["seconds"] == 0.4
+    assert "11 frames in 0.4 s. Neutral: " in (out / "report.html").read_text()
+
+
+def test_the_command_that_is_printed_can_be_given(tiny: Path, drivers: tuple[Path, Path], tmp_path: Path) -> None:
+    talk = drivers[0].rename(tmp_path / "Ann's talk.mp4")
+    assert evaluate(tiny, "--drivers", talk, "-o", tmp_path / "r", "--every", 1) == ExitCode.OK
+    command = json.loads((tmp_path / "r" / "report.json").read_text())["command"]
+    words = ["tiny.gem", "--drivers", "Ann's talk.mp4", "--every", "1", "--seconds", "30", "-o", "REPORT"]
+    assert shlex.split(command) == ["gemheads", "evaluate", *words]
+
+
 def test_pictures_in_a_folder_drive_too(tiny: Path, tmp_path: Path) -> None:
     import cv2
 
@@ -272,7 +305,15 @@ def places(tiny: Path, drivers: tuple[Path, Path], make_clip: Clip, tmp_path: Pa
         (("{tiny}", "--drivers", "{empty}"), ExitCode.INPUT, "the file is empty"),
         (("{tiny}", "--drivers", "{zero}"), ExitCode.INPUT, "zero.mp4"),
         (("{tiny}", "--drivers", "{nobody}"), ExitCode.NO_FACE, "a face in 0 of 30 frames, 8 are needed"),
-        (("{tiny}", "--drivers", "{ann}", "--every", "9"), ExitCode.NO_FACE, "a face in 2 of 2 frames"),
+        (
+            ("{tiny}", "--drivers", "{ann}", "--every", "9"),
+            ExitCode.INPUT,
+            "2 frames are taken, 8 are needed (--every 9",
+        ),
+        (("{tiny}", "--drivers", "{ann}", "--shots", "5"), ExitCode.USAGE, "--shots: does nothing for drivers alone"),
+        (("{tiny}", "--drivers", "{ann}", "--all"), ExitCode.USAGE, "--all: does nothing for drivers alone"),
+        (("{tiny}", "--drivers", "{ann}", "--lpips", "none"), ExitCode.USAGE, "--lpips: does nothing for drivers"),
+        (("{tiny}", "--drivers", "{ann}", "--jobs", "1"), ExitCode.USAGE, "--jobs: does nothing for drivers alone"),
         (("{bare}", "--drivers", "{ann}"), ExitCode.INPUT, "neither a regressor nor ARKit shapes"),
         (("{run}", "--drivers", "{ann}"), ExitCode.INPUT, "a run is judged on a capture"),
         (("{tiny}", "--drivers", "{ann}", "-o", "{tiny}"), ExitCode.USAGE, "is a file; name a folder"),
@@ -294,6 +335,24 @@ def test_what_cannot_be_done_is_one_line(
     assert found == code
     assert said in error
     assert not (places["out"] / "report.json").exists()
+
+
+@pytest.mark.parametrize("name", ["report.json", "report.html"])
+def test_a_report_of_something_else_is_not_written_over(
+    tiny: Path, drivers: tuple[Path, Path], tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "r"
+    out.mkdir()
+    (out / name).write_text('{"coverage": 90}')
+    words = (tiny, "--drivers", drivers[0], "-o", out, "--every", 1)
+    code, error = refused(capsys, "evaluate", *words)
+    assert code == ExitCode.USAGE
+    assert f"{name}: was not written by evaluate, and would be written over; name another folder" in error
+    assert (out / name).read_text() == '{"coverage": 90}'
+    assert [file.name for file in out.iterdir()] == [name]
+    (out / name).unlink()
+    for _ in range(2):  # its own is
+        assert evaluate(*words) == ExitCode.OK
 
 
 def test_what_is_kept_depends_on_the_version(

@@ -11,6 +11,7 @@ from gemheads.app.errors import ExitCode
 from gemheads.models.gemfile import load_gem
 from gemheads.models.ply import save_ply_sequence
 from gemheads.render.gaussians import RawGaussians
+from gems import statue
 from refusals import refused
 
 STATED = ("--licence", "CC0-1.0", "--consent", "no person, a bent sheet")
@@ -75,6 +76,15 @@ def test_a_sequence_plays_its_own_frames(lam: Any, tmp_path: Path) -> None:
     assert load_gem(tmp_path / "s.gem").arkit_weights is None
 
 
+def test_a_single_frame_gives_an_avatar_that_nothing_drives_which_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_ply_sequence([statue().compose(np.zeros(0, np.float32))], tmp_path / "frames")
+    assert main(["distill", str(tmp_path / "frames"), "-o", str(tmp_path / "s.gem")]) == 0
+    assert "s.gem: does not move, so no face can drive it; give several frames that differ" in capsys.readouterr().err
+    assert load_gem(tmp_path / "s.gem").coefficient_count == 0
+
+
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
@@ -89,6 +99,11 @@ def test_a_sequence_plays_its_own_frames(lam: Any, tmp_path: Path) -> None:
         (("nobody", "-o", "a.gem"), ExitCode.INPUT, "there is no PLY file; give a folder"),
         (("lam.zip", "-o", "a.gem"), ExitCode.USAGE, "unpack a .zip first"),
         ((".", "-o", "a.gem"), ExitCode.USAGE, "holds 2 avatars; give one"),
+        (
+            ("far", "-o", "a.gem"),
+            ExitCode.USAGE,
+            "far: holds avatars, but farther down; give one, such as far/down/lam",
+        ),
         (("lam", "-o", "a.gem", "--author", "a" * 40_000), ExitCode.USAGE, "bytes, 32768 are kept; shorten them"),
         (("n" * 300, "-o", "a.gem"), ExitCode.INPUT, "cannot be opened (File name too long)"),
         (("steers.ply", "-o", "a.gem"), ExitCode.INPUT, "written as 'format  ]0;pwned  [2J 1.0'"),
@@ -106,6 +121,8 @@ def test_what_cannot_be_done_is_one_line(
     said: str,
 ) -> None:
     lam.write(tmp_path / "second")
+    (tmp_path / "far" / "down").mkdir(parents=True)
+    lam.write(tmp_path / "far" / "down" / "lam")
     (tmp_path / "plys").mkdir()
     (tmp_path / "steers.ply").write_text("ply\nformat \x1b]0;pwned\x07\x1b[2J 1.0\nelement vertex 1\nend_header\n")
     monkeypatch.chdir(tmp_path)

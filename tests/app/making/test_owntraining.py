@@ -12,7 +12,8 @@ from gemheads.app.errors import ExitCode
 from gemheads.app.library import find_avatar
 from gemheads.models.captures.layout import CaptureError
 from gemheads.models.gem import Gem
-from gemheads.models.gemfile import load_gem
+from gemheads.models.gemfile import load_gem, save_gem
+from gems import statue
 from refusals import refused
 
 
@@ -28,6 +29,9 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (("--pictures", "-1"), "--pictures -1: choose 40 or more"),
         (("--steps", "0"), "--steps 0: choose 1 or more"),
         (("--seed", "-1"), "--seed: -1: choose from 0"),
+        (("--pictures", "0", "--companions", "theo"), "--companions: does nothing for --pictures 0"),
+        (("--pictures", "0", "--jobs", "1"), "--jobs: does nothing for --pictures 0"),
+        (("--pictures", "0", "talk.mp4"), "talk.mp4: does nothing for --pictures 0"),
     ],
 )
 def test_numbers_that_cannot_be(
@@ -42,6 +46,24 @@ def test_two_captures_are_two_people(capture: Path, capsys: pytest.CaptureFixtur
     code, error = refused(capsys, "train-regressor", "mara", str(capture), str(capture))
     assert code == ExitCode.USAGE
     assert "second capture" in error
+
+
+def test_an_avatar_that_does_not_move_learns_nothing(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_gem(statue(), tmp_path / "statue.gem")
+    code, error = refused(capsys, "train-regressor", tmp_path / "statue.gem", capture, "--pictures", "0")
+    assert code == ExitCode.INPUT
+    assert "does not move, so no face can drive it" in error
+
+
+def test_videos_are_looked_for_before_anything_is_fitted(
+    capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for place, said in ((tmp_path, "is a folder, and no capture"), (tmp_path / "no.mp4", "no such video")):
+        code, error = refused(capsys, "train-regressor", "mara", capture, place)
+        assert code == ExitCode.INPUT
+        assert f"{place}: {said}" in error
 
 
 @pytest.mark.parametrize("words", [("--rehearse-with", "theo"), ("--turns-only",)])

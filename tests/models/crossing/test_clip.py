@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from gemheads.models.crossing import clip as clips
 from gemheads.models.crossing.album import SIDE, Album, face_square
-from gemheads.models.crossing.clip import Clip, UnseenDriver, track_clip
+from gemheads.models.crossing.clip import Clip, ShortClip, UnseenDriver, track_clip
 from gemheads.models.crossing.double import mirrored
 from gemheads.models.crossing.loop import echo
 from gemheads.models.crossing.mirror import LOOKS
@@ -32,9 +32,11 @@ def test_frames_without_a_face_are_counted_and_too_few_with_one_are_refused() ->
     clip = track_clip(pictures, 1, 60.0)
     assert clip.lost == 4
     assert len(clip.readings) == 16
-    with pytest.raises(UnseenDriver, match="a face in 4 of 5 frames, 8 are needed"):
-        track_clip(pictures[:5], 1, 60.0)
-    with pytest.raises(UnseenDriver, match="a face in 0 of 0 frames"):
+    with pytest.raises(UnseenDriver, match="a face in 6 of 8 frames, 8 are needed"):
+        track_clip(pictures[:8], 1, 60.0)
+    with pytest.raises(ShortClip, match="7 frames are taken, 8 are needed"):
+        track_clip(pictures[:7], 1, 60.0)
+    with pytest.raises(ShortClip, match="0 frames are taken"):
         track_clip([], 1, 60.0)
 
 
@@ -48,8 +50,12 @@ def test_a_long_clip_is_read_no_further_than_is_kept(monkeypatch: pytest.MonkeyP
             given += 1
             yield painted(0.1), given / RATE
 
-    assert len(track_clip(endless(), 1, 1e9).readings) == 10
+    clip = track_clip(endless(), 1, 1e9)
+    assert len(clip.readings) == 10
     assert given == 11
+    assert clip.full
+    assert clip.seconds == pytest.approx(9 / RATE)
+    assert not track_clip(performed(), 3, 1.0).full
 
 
 def test_the_neutral_is_at_rest_and_the_others_are_other_moments(clip: Clip) -> None:

@@ -37,6 +37,22 @@ def test_the_same_agrees_and_chance_is_less() -> None:
     assert agreement(constant, constant).chance == pytest.approx(1)
 
 
+def test_the_drivers_own_neutral_has_no_direction_and_does_not_count() -> None:
+    rng = np.random.default_rng(4)
+    driver = rng.normal(size=(5, 12))
+    avatar = driver + rng.normal(size=driver.shape)
+    without = agreement(driver, avatar)
+    rest = np.zeros((3, 12))
+    for shown in (rest, rng.normal(size=rest.shape)):
+        found = agreement(np.concatenate([driver, rest]), np.concatenate([avatar, shown]))
+        assert found.cosine == pytest.approx(without.cosine)
+        assert found.chance == pytest.approx(without.chance)
+    assert agreement(np.concatenate([driver, driver]), np.concatenate([avatar, 0 * avatar])).cosine == pytest.approx(
+        without.cosine / 2
+    )
+    assert agreement(rest, rest).cosine == agreement(rest, rest).chance == 0
+
+
 def test_frames_have_to_be_the_same() -> None:
     with pytest.raises(ValueError, match="the same frames of both"):
         agreement(np.zeros((3, 4)), np.zeros((2, 4)))

@@ -1,5 +1,7 @@
 """A regressor from a person's own frames: a capture of a shipped avatar, whose coefficients are known."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -28,8 +30,20 @@ def filmed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Gem, Capture, dict
 
 def test_the_cameras_in_front_come_first(filmed: tuple[Gem, Capture, dict[int, Start]]) -> None:
     _, capture, _ = filmed
-    assert frontal_cameras(capture)[0] == 1
-    assert set(frontal_cameras(capture, 2)) < {0, 1, 2}
+    for split in ("train", "test"):
+        assert frontal_cameras(capture, split)[0] == 1
+        assert set(frontal_cameras(capture, split, 2)) < {0, 1, 2}
+
+
+def test_a_camera_that_is_held_out_takes_no_other_ones_place(
+    filmed: tuple[Gem, Capture, dict[int, Start]], tmp_path: Path
+) -> None:
+    gem, _, moments = filmed
+    capture, _ = write_capture(tmp_path, gem, train=4, test=1, held_out=(1,))
+    assert set(frontal_cameras(capture, "train", 2)) == {0, 2}
+    assert frontal_cameras(capture, "test")[0] == 1
+    learned = capture_regressor(gem, capture, moments, RegressorEffort(pictures=0, steps=1, photometric=False))
+    assert set(learned.cameras) == {shot.camera_index for shot in learned.sightings.shots} == {0, 2}
 
 
 def test_the_neutral_is_the_moments_nearest_to_rest(filmed: tuple[Gem, Capture, dict[int, Start]]) -> None:
