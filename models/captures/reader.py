@@ -24,7 +24,7 @@ from .layout import (
     mesh_name,
     transforms_name,
 )
-from .meshes import read_template, read_tracked, read_vertices
+from .meshes import check_tracked, read_template, read_tracked, read_vertices
 from .pictures import picture_size, read_mask, read_pixels
 from .transforms import Transforms, read_transforms
 
@@ -138,7 +138,7 @@ def open_capture(folder: Path) -> Capture:
         for shot in split.shots:
             _check_pictures(shot)
     for path in meshes.values():
-        read_tracked(path, template, measure=False)
+        check_tracked(path, template)
     about = splits["train"].about
     _check_about(folder / transforms_name("train"), about)
     return Capture(

@@ -146,6 +146,16 @@ def test_an_estimate_heeds_most_of_the_head() -> None:
     np.testing.assert_allclose(translation, MOVE, atol=1e-4)
 
 
+@pytest.mark.parametrize("axis", range(3))
+def test_half_a_turn_is_no_rest(axis: int) -> None:
+    template = RNG.normal(0, 0.05, (40, 3))
+    turn = np.pi * np.eye(3)[axis]
+    moved = posed(template, np.ones(40), np.zeros(3), turn, MOVE)
+    rotation, translation = estimated(moved, template, np.ones(40), np.zeros(3))
+    assert np.linalg.norm(rotation) == pytest.approx(np.pi, abs=1e-5)
+    np.testing.assert_allclose(unposed(moved, np.ones(40), np.zeros(3), rotation, translation), template, atol=1e-6)
+
+
 def test_a_pose_is_taken_out_exactly() -> None:
     template, weights = RNG.normal(0, 0.1, (50, 3)), RNG.random(50)
     pivot = np.array([0.01, -0.08, 0.0])
@@ -270,6 +280,15 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
         lambda f: (f / "meshes/00003.npz").write_bytes((f / "meshes/00003.npz").read_bytes()[:200]) and None,
         "meshes/00003.npz: cannot be read",
     ),
+    "other axes": (
+        _arrays("meshes/00001.npz", vertices=sheet().vertices * [-1, 1, -1], rotation=None, translation=None),
+        "meshes/00001.npz: lies 0.[0-9]+ m off the template",
+    ),
+    "other origin": (
+        _arrays("meshes/00002.npz", vertices=sheet().vertices + [0, 1.2, 0], rotation=None, translation=None),
+        "meshes/00002.npz: lies .* axes, about its origin",
+    ),
+    "millimetres": (_arrays("meshes/00003.npz", vertices=1000 * sheet().vertices), "meshes/00003.npz: lies .* metres"),
     "missing mesh": (lambda f: (f / "meshes/00000.npz").unlink(), "meshes/00000.npz: is missing"),
     "no uv": (_arrays("template.npz", uv=None), "template.npz: has no uv"),
     "triangle of nothing": (
