@@ -9,7 +9,7 @@ from ...models.captures.layout import CaptureError
 from ...models.gemfile import load_gem, read_info, save_gem
 from ..errors import ExitCode, InputError, NoFaceError, TrainingExtra, UsageError
 from ..files.pictures import write_png
-from ..files.places import check_avatar_name, check_places, save_learned
+from ..files.places import check_places, place_of_changed, save_learned
 from ..performing.casting import open_avatar
 from ..progress import ProgressBar
 from ..reenacting.reports import write_json
@@ -40,7 +40,7 @@ class OwnWish:
     """Processes; None: as many as are worth it."""
 
 
-def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> ExitCode:
+def run_own_training(avatar: Path, capture: Path, out: Path | None, wish: OwnWish) -> ExitCode:
     """Train the regressor of a captured person's avatar, save the avatar with it, and say how well it drives itself.
 
     Raises CommandError.
@@ -53,8 +53,8 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
         from ...models.train.regressors.train_regressor import FEWEST_OF_STRANGERS, pictures_of
         from ...models.train.workers import WorkerLost, Workers
     _check(wish)
+    out = place_of_changed(avatar, out)
     cast, footage = open_avatar(avatar), opened(capture)
-    check_avatar_name(out)
     own = None if out.resolve() == avatar.resolve() else avatar
     check_places(out, wish.report, wish.strip, read=[capture, own, wish.labels, *wish.videos, *wish.companions])
     if wish.strip is not None and not footage.test:

@@ -14,7 +14,7 @@ from ...models.gemfile import GemFormatError, save_gem
 from ...models.wholefile import file_sha256
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.pictures import write_png
-from ..files.places import check_avatar_name, check_places, save_learned
+from ..files.places import check_places, place_of_changed, save_learned
 from ..performing.casting import Avatar, open_avatar
 from ..performing.performance import Pose
 from ..progress import ProgressBar
@@ -46,7 +46,7 @@ class RefineWish:
     seed: int = 0
 
 
-def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> ExitCode:
+def run_refining(avatar: Path, capture: Path, out: Path | None, wish: RefineWish) -> ExitCode:
     """Refine, save the better avatar, and say what came of it. Raises CommandError.
 
     Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED. Killed, the same goes on where it was.
@@ -57,8 +57,11 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
         from ...models.train.synthesis.unfinished import Unfinished
     if not LEAST <= wish.iterations <= MOST:
         raise UsageError(f"--iterations {wish.iterations}: choose from {LEAST} to {MOST}")
-    check_avatar_name(out)
-    cast, footage = open_avatar(avatar), opened(capture)
+    over_itself, out = out is None, place_of_changed(avatar, out)
+    cast = open_avatar(avatar)
+    if over_itself and cast.gem.regressor is not None:
+        raise UsageError(f"{avatar}: has a regressor, which knows the old bases and would be lost; give -o OUT.gem")
+    footage = opened(capture)
     read = [capture, wish.start, None if out.resolve() == avatar.resolve() else avatar]
     check_places(out, wish.moments, wish.sheet, read=read)
     effort = RefineEffort(

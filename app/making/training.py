@@ -8,7 +8,7 @@ from pathlib import Path
 from ...models.gem import Gem
 from ...models.gemfile import load_gem, read_info, save_gem
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError
-from ..files.places import check_avatar_name, check_places, save_learned
+from ..files.places import check_places, place_of_changed, save_learned
 from ..jobs import affordable_jobs, check_jobs
 from ..progress import ProgressBar
 
@@ -45,7 +45,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
     for video in wish.videos:
         if not video.is_file():
             raise InputError(f"{video}: no such video; check the path")
-    out = _place(out or avatar, [*wish.videos, *wish.companions, wish.former])
+    out = _place(avatar, out, [*wish.videos, *wish.companions, wish.former])
     try:
         gem, told = (_turns if wish.turns_only else _regressor)(avatar, wish)
     # a ValueError is a GemFormatError, a RegressorError, or what is wrong with a video
@@ -100,9 +100,9 @@ def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
     )
 
 
-def _place(out: Path, read: Sequence[Path | None]) -> Path:
+def _place(avatar: Path, out: Path | None, read: Sequence[Path | None]) -> Path:
     """Where the avatar is written with what it learned; over itself it may be. Raises CommandError."""
-    check_avatar_name(out)
+    out = place_of_changed(avatar, out)
     check_places(out, read=read)
     return out
 
@@ -123,7 +123,7 @@ def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
     """Save an avatar with what ``former`` has learned. Raises InputError and OutputError."""
     with TrainingExtra("training"):
         from ...models.train.regressors.takeover import taken_over
-    out = _place(out or avatar, [former])
+    out = _place(avatar, out, [former])
     try:
         gem = load_gem(avatar)
         gem = replace(gem, regressor=taken_over(load_gem(former), gem))

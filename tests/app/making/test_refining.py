@@ -7,6 +7,7 @@ import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import read_image
+from gemheads.app.library import find_avatar
 from gemheads.app.performing.tracks import load_track
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.gemfile import load_gem
@@ -117,6 +118,8 @@ def test_a_capture_is_fitted_into_a_track(
         (("refine", "{avatar}", "{toy}", "--iterations", "1"), ExitCode.USAGE, "--iterations 1: choose from 10"),
         (("refine", "{avatar}", "{toy}", "--seed", "-1"), ExitCode.USAGE, "--seed: -1: choose from 0"),
         (("refine", "{avatar}", "{toy}", "-o", "x.ply"), ExitCode.USAGE, "is called .gem"),
+        (("refine", "mara", "{toy}"), ExitCode.USAGE, "mara.gem: ships with gemheads and stays as it is; give -o"),
+        (("refine", "{taught}", "{toy}"), ExitCode.USAGE, "has a regressor, which knows the old bases and would be"),
         (("refine", "{avatar}", "nowhere"), ExitCode.INPUT, "nowhere: is no folder"),
         (("refine", "{tiny}", "{toy}", "--start", "{moments}"), ExitCode.INPUT, "made for another avatar ('toy')"),
         (("fit", "{avatar}", "{toy}", "-o", "x", "--split", "all"), ExitCode.USAGE, "choose from train, val, test"),
@@ -138,7 +141,9 @@ def test_what_cannot_be_done_is_one_line(
     said: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    places = {"avatar": bare[0], "toy": toy_capture, "tiny": tiny, "moments": bare[1]}
+    taught = tmp_path / "taught.gem"
+    taught.write_bytes(find_avatar("mara").read_bytes())
+    places = {"avatar": bare[0], "toy": toy_capture, "tiny": tiny, "moments": bare[1], "taught": taught}
     # else notes say what is missing, before anything else
     stated = ("--licence", "CC0-1.0", "--consent", "no person")
     more = {"refine": ("--no-perceptual",), "distill": stated}.get(words[0], ())
