@@ -104,9 +104,9 @@ def _perceptual() -> "Perceptual":
 def _identity(cast: Avatar, footage: Capture, begin: "Mapping[int, Start]", wish: RefineWish) -> str:
     """Tells apart whatever would be refined into something else."""
     effort = wish.iterations, wish.coefficients, wish.colors, wish.perceptual, wish.seed
-    known = hashlib.sha256(f"{cast.sha256} {effort} {footage.background}".encode() + footage.template.digest())
+    known = hashlib.sha256(f"{cast.sha256} {effort}".encode() + footage.template.digest())
     for shot in (*footage.train, *footage.val):
-        known.update(f"{shot.camera}".encode())
+        known.update(f"{shot.camera} {footage.ground(shot)}".encode())
         for file in (shot.picture, shot.mask):
             if file is not None:
                 looked = file.stat()

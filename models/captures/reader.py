@@ -40,7 +40,8 @@ class Capture:
     subject: str
     """What the capture calls the person; the folder's name where it says nothing."""
     background: tuple[float, float, float]
-    """sRGB in 0..1 of what is behind the person; white unless the capture says otherwise."""
+    """sRGB in 0..1 of what is behind the person in training pictures, and where nothing else is stated; white unless the
+    capture says otherwise."""
     template: Template
     train: tuple[Shot, ...]
     val: tuple[Shot, ...]
@@ -73,20 +74,24 @@ class Capture:
         path = self.folder / TRUTH / mesh_name(timestep)
         return read_vertices(path, self.template) if path.is_file() else None
 
+    def ground(self, shot: Shot) -> tuple[float, float, float]:
+        """sRGB in 0..1 of what is behind the person in one picture: what its list states, else the capture's."""
+        return self.background if shot.background is None else shot.background
+
     def over_background(self, shot: Shot) -> NDArray[np.uint8]:
-        """A picture [H, W, 3] over the capture's background: as it was taken, where that is known.
+        """A picture [H, W, 3] over its background: as it was taken, where that is known.
 
         Raises CaptureError like ``read``.
         """
         rgba = self.read(shot).astype(np.float32)
         share = rgba[..., 3:] / 255
-        ground = 255 * np.array(self.background, np.float32)
+        ground = 255 * np.array(self.ground(shot), np.float32)
         return np.round(rgba[..., :3] * share + ground * (1 - share)).astype(np.uint8)
 
     def read(self, shot: Shot) -> NDArray[np.uint8]:
         """A picture as straight RGBA [H, W, 4], sRGB; alpha is 255 everywhere without a mask.
 
-        In a capture that states its background, that is taken out of the edges: over it, the answer is the picture.
+        Where its background is stated, that is taken out of the edges: over it, the answer is the picture.
         Raises CaptureError where the file changed since the capture was opened.
         """
         width, height = shot.camera.width, shot.camera.height
@@ -96,8 +101,8 @@ class Capture:
         if shot.mask is not None:
             alpha = read_mask(shot.mask, width, height)
         rgba = np.dstack([pixels[..., :3], alpha])
-        if not own_alpha and "background" in self.about:
-            _take_out(rgba, self.background)
+        if not own_alpha and (shot.background is not None or "background" in self.about):
+            _take_out(rgba, self.ground(shot))
         return rgba
 
     def viewing(self) -> Viewing:
@@ -144,7 +149,7 @@ def open_capture(folder: Path) -> Capture:
     return Capture(
         folder=folder,
         subject=str(about.get("subject") or folder.name),
-        background=_background(folder / transforms_name("train"), about),
+        background=splits["train"].shots[0].background or WHITE,
         template=template,
         train=splits["train"].shots,
         val=splits["val"].shots,
@@ -187,16 +192,6 @@ def _check_pictures(shot: Shot) -> None:
         if size != wanted:
             what = f"is {size[0]}x{size[1]}, its camera {wanted[0]}x{wanted[1]}"
             raise CaptureError(path, what, "scale the picture, or the camera's w, h, fl_x, fl_y, cx, cy")
-
-
-def _background(path: Path, about: Mapping[str, Any]) -> tuple[float, float, float]:
-    try:
-        red, green, blue = (float(value) for value in about.get("background", WHITE))
-    except (TypeError, ValueError, OverflowError):
-        red = green = blue = -1.0
-    if not all(0 <= value <= 1 for value in (red, green, blue)):
-        raise CaptureError(path, f"has background {about['background']!r}", "give three numbers in 0..1")
-    return red, green, blue
 
 
 def _check_about(path: Path, about: Mapping[str, Any]) -> None:

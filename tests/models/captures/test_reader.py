@@ -126,6 +126,24 @@ def test_soft_edges_lose_the_background(folder: Path) -> None:
     assert np.abs(rgba[:, 8:, :3] - own).max() <= 3
 
 
+def test_every_split_has_the_background_that_it_states(folder: Path) -> None:
+    path = folder / "transforms_test.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"background": [0, 0, 0]}))
+    capture = open_capture(folder)
+    assert [capture.ground(shots[0]) for shots in (capture.train, capture.val, capture.test)] == [
+        (1, 1, 1),
+        (1, 1, 1),
+        (0, 0, 0),
+    ]
+    over_black, alpha = np.full((14, 20, 3), 100, np.uint8), np.full((14, 20), 128, np.uint8)
+    CaptureWriter(folder).write_picture(capture.test[0], over_black, alpha)
+    np.testing.assert_array_equal(capture.read(capture.test[0])[..., :3], 199)
+    np.testing.assert_array_equal(capture.over_background(capture.test[0]), 100)
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"background": [0, 0]}))
+    with pytest.raises(CaptureError, match=r"transforms_test.json: has background \[0, 0\]"):
+        open_capture(folder)
+
+
 def test_without_a_stated_pose_it_is_estimated(folder: Path) -> None:
     template = sheet()
     for path in (folder / "meshes").iterdir():
