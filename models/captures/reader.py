@@ -170,14 +170,22 @@ def _joined(folder: Path, splits: Mapping[str, Transforms]) -> dict[int, Path]:
 
 
 def _check_held_out(folder: Path, splits: Mapping[str, Transforms]) -> None:
-    """What judges was never learned from: no view of a training moment, and no picture, is in two splits."""
-    views = {(shot.timestep, shot.camera_index) for shot in splits["train"].shots}
-    pictures = {shot.picture for shot in splits["train"].shots}
-    for split in SPLITS[1:]:
+    """What judges was never learned from: no view of a moment and no picture is in two splits, and no moment of test in
+    train."""
+    seen: dict[object, str] = {}
+    for split in SPLITS:
         for shot in splits[split].shots:
-            if shot.picture in pictures or (shot.timestep, shot.camera_index) in views:
-                what = f"{shot.picture.name} is in {transforms_name('train')} too, and would judge what it taught"
-                raise CaptureError(folder / transforms_name(split), what, "take it out of one of the two")
+            for known in (shot.picture, (shot.timestep, shot.camera_index)):
+                if (other := seen.setdefault(known, split)) != split:
+                    would = "would judge what it taught" if other == "train" else "would count twice"
+                    what = f"{shot.picture.name} is in {transforms_name(other)} too, and {would}"
+                    raise CaptureError(folder / transforms_name(split), what, "take it out of one of the two")
+    learned = {shot.timestep for shot in splits["train"].shots}
+    for shot in splits["test"].shots:
+        if shot.timestep in learned:
+            what = f"timestep {shot.timestep} is in {transforms_name('train')} too, so its expression is not held out"
+            cure = f"list a camera that is held out in {transforms_name('val')}"
+            raise CaptureError(folder / transforms_name("test"), what, cure)
 
 
 def _check_pictures(shot: Shot) -> None:

@@ -126,6 +126,21 @@ def test_soft_edges_lose_the_background(folder: Path) -> None:
     assert np.abs(rgba[:, 8:, :3] - own).max() <= 3
 
 
+def test_a_mask_is_alpha_or_a_shade_but_no_colour(folder: Path) -> None:
+    capture = open_capture(folder)
+    shot = capture.train[0]
+    assert shot.mask is not None
+    shade = np.tile(np.arange(0, 200, 10, dtype=np.uint8), (14, 1))
+    opaque, half = np.full((14, 20), 255, np.uint8), np.full((14, 20), 128, np.uint8)
+    for channels, wanted in (([shade] * 3 + [opaque], shade), ([opaque] * 3 + [shade], shade), ([shade] * 3, shade)):
+        shot.mask.write_bytes(png_bytes(np.dstack(channels)))
+        np.testing.assert_array_equal(capture.read(shot)[..., 3], wanted)
+    for channels in ([shade, half, half, opaque], [opaque, shade, opaque]):
+        shot.mask.write_bytes(png_bytes(np.dstack(channels)))
+        with pytest.raises(CaptureError, match=r"00000_00.png: has colours, which no mask has"):
+            capture.read(shot)
+
+
 def test_every_split_has_the_background_that_it_states(folder: Path) -> None:
     path = folder / "transforms_test.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"background": [0, 0, 0]}))
@@ -236,11 +251,15 @@ def _deep(folder: Path) -> None:
     cv2.imwrite(str(folder / "images" / "00003_01.png"), np.zeros((14, 20, 3), np.uint16))
 
 
-def _taught(folder: Path) -> None:
-    """A picture that was learned from stands among those that judge."""
-    train, val = (json.loads((folder / f"transforms_{split}.json").read_text()) for split in ("train", "val"))
-    val["frames"].append(train["frames"][2])
-    (folder / "transforms_val.json").write_text(json.dumps(val))
+def _known(split: str, other: str, *taken: int, **change: Any) -> Callable[[Path], None]:
+    """Frames of one split stand in another one, too, perhaps as of another camera."""
+
+    def spoil(folder: Path) -> None:
+        here, there = (json.loads((folder / f"transforms_{name}.json").read_text()) for name in (split, other))
+        there["frames"] += [here["frames"][index] | change for index in taken]
+        (folder / f"transforms_{other}.json").write_text(json.dumps(there))
+
+    return spoil
 
 
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
@@ -259,7 +278,18 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     "torn PNG": (_torn(".png"), "images/00003_01.png: breaks off before its end"),
     "torn JPEG": (_torn(".jpg"), "images/00003_01.png: breaks off before its end"),
     "16 bits": (_deep, "images/00003_01.png: has 16 bits a channel"),
-    "judged by what it taught": (_taught, "transforms_val.json: 00002_00.png is in transforms_train.json too"),
+    "judged by what it taught": (
+        _known("train", "val", 2),
+        "transforms_val.json: 00002_00.png is in transforms_train.json too, and would judge what it taught",
+    ),
+    "judged twice": (
+        _known("test", "val", 1),
+        "transforms_test.json: 00003_01.png is in transforms_val.json too, and would count twice",
+    ),
+    "an expression that was taught": (
+        _known("train", "test", 0, file_path="images/00003_01.png", camera_index=5),
+        "transforms_test.json: timestep 0 is in transforms_train.json too, so its expression is not held out",
+    ),
     "bent lens": (_frame({"k1": -0.4, "p2": 0.01, "camera_model": "OPENCV"}), r"lens bends lines \(k1, p2\)"),
     "fisheye": (_top(camera_model="OPENCV_FISHEYE"), r"lens bends lines \(OPENCV_FISHEYE\)"),
     "no picture": (_text("images/00000_00.png", "hello"), "images/00000_00.png: is neither PNG nor JPEG"),
