@@ -147,7 +147,10 @@ def _shot(
 
 def _check_lens(path: Path, name: str, tree: Mapping[str, Any], frame: Mapping[str, Any]) -> None:
     """Raises CaptureError for a lens that bends lines: nothing here would straighten them."""
-    bent = [key for key in _DISTORTION if frame.get(key, tree.get(key, 0)) != 0]
+    said = {key: frame.get(key, tree.get(key)) for key in _DISTORTION}
+    if odd := [key for key, value in said.items() if value is not None and not _is_number(value)]:
+        raise CaptureError(path, f"{name}: {odd[0]} is {said[odd[0]]!r}, which is no number", "give a number, or none")
+    bent = [key for key, value in said.items() if value]
     model = frame.get("camera_model", tree.get("camera_model", "PINHOLE"))
     if bent or model not in _STRAIGHT:
         what = f"{name}: its lens bends lines ({', '.join(bent) or model})"

@@ -291,6 +291,7 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
         "transforms_test.json: timestep 0 is in transforms_train.json too, so its expression is not held out",
     ),
     "bent lens": (_frame({"k1": -0.4, "p2": 0.01, "camera_model": "OPENCV"}), r"lens bends lines \(k1, p2\)"),
+    "lens of no number": (_frame({"k1": "0.0"}), r"frame 1 \(00001_00.png\): k1 is '0.0', which is no number"),
     "fisheye": (_top(camera_model="OPENCV_FISHEYE"), r"lens bends lines \(OPENCV_FISHEYE\)"),
     "no picture": (_text("images/00000_00.png", "hello"), "images/00000_00.png: is neither PNG nor JPEG"),
     "no intrinsics": (_frame({"fl_x": None, "cy": None}), r"frame 1 \(00001_00.png\) has a camera without fl_x, cy"),
@@ -329,11 +330,11 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
         "meshes/00003.npz: cannot be read",
     ),
     "other axes": (
-        _arrays("meshes/00001.npz", vertices=sheet().vertices * [-1, 1, -1], rotation=None, translation=None),
+        _arrays("meshes/00001.npz", vertices=sheet().vertices * np.array([-1, 1, -1]), rotation=None, translation=None),
         "meshes/00001.npz: lies 0.[0-9]+ m off the template",
     ),
     "other origin": (
-        _arrays("meshes/00002.npz", vertices=sheet().vertices + [0, 1.2, 0], rotation=None, translation=None),
+        _arrays("meshes/00002.npz", vertices=sheet().vertices + np.array([0, 1.2, 0]), rotation=None, translation=None),
         "meshes/00002.npz: lies .* axes, about its origin",
     ),
     "millimetres": (_arrays("meshes/00003.npz", vertices=1000 * sheet().vertices), "meshes/00003.npz: lies .* metres"),
@@ -364,6 +365,11 @@ def test_each_fault_is_named_with_its_file(folder: Path, fault: str) -> None:
 def test_a_file_of_no_capture_is_said(tmp_path: Path) -> None:
     with pytest.raises(CaptureError, match="is no folder"):
         open_capture(tmp_path / "nothing")
+
+
+def test_a_lens_without_distortion_may_say_so(folder: Path) -> None:
+    _top(k1=None, k2=0, p1=0.0, camera_model="OPENCV")(folder)
+    assert len(open_capture(folder).train) == 3
 
 
 def test_intrinsics_may_stand_once(folder: Path) -> None:
