@@ -40,8 +40,8 @@ class Capture:
     subject: str
     """What the capture calls the person; the folder's name where it says nothing."""
     background: tuple[float, float, float]
-    """sRGB in 0..1 of what is behind the person in training pictures, and where nothing else is stated; white unless the
-    capture says otherwise."""
+    """sRGB in 0..1 of what is behind the person in training pictures, and where nothing else is stated; white unless
+    the capture says otherwise."""
     template: Template
     train: tuple[Shot, ...]
     val: tuple[Shot, ...]
