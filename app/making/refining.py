@@ -18,6 +18,7 @@ from ..files.places import check_places, place_of_changed, save_learned
 from ..performing.casting import Avatar, open_avatar
 from ..performing.performance import Pose
 from ..progress import ProgressBar
+from .likeness import tell_of_unlikeness
 from .moments import save_moments
 from .opencapture import opened
 from .trainingmoments import training_moments
@@ -88,6 +89,7 @@ def run_refining(avatar: Path, capture: Path, out: Path | None, wish: RefineWish
         sheet = refine_sheet(footage, answer.judges, (cast.gem, begin), (answer.gem, answer.moments))
         write_png(sheet, wish.sheet)
     print(_told(answer, cast, out))
+    tell_of_unlikeness(avatar, capture, answer.after)
     return ExitCode.INTERRUPTED if answer.stopped else ExitCode.OK
 
 

@@ -1,5 +1,7 @@
 """`distill`, `refine` and `fit` on a capture: files in, files out, and what is said."""
 
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +112,23 @@ def test_a_capture_is_fitted_into_a_track(
         assert np.degrees(np.abs(pose.turn - tracked.rotation).max()) < 6
         assert np.abs(pose.translation - tracked.translation).max() < 0.01
     assert read_image(errors).shape == (3 * 64, 3 * 64, 3)
+
+
+@pytest.mark.parametrize("command", ["fit", "refine"])
+def test_cameras_that_look_elsewhere_are_told(
+    toy_capture: Path, bare: tuple[Path, Path], tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a capture whose cameras look along +z, as OpenCV's do."""
+    words = {"fit": ("--cameras", "1,2"), "refine": ("--no-perceptual", "--iterations", "10")}[command]
+    other = shutil.copytree(toy_capture, tmp_path / "other")
+    for path in other.glob("transforms_*.json"):
+        tree = json.loads(path.read_text())
+        for frame in tree["frames"]:
+            frame["transform_matrix"] = (frame["transform_matrix"] @ np.diag([1, -1, -1, 1])).tolist()
+        path.write_text(json.dumps(tree))
+    for folder, told in ((toy_capture, 0), (other, 1)):
+        assert main([command, str(bare[0]), str(folder), "-o", str(tmp_path / "x.gem"), *words]) == ExitCode.OK
+        assert capsys.readouterr().err.count(f"does not look like the pictures of {folder}") == told
 
 
 @pytest.mark.parametrize(
