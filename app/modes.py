@@ -15,7 +15,7 @@ from ..render.enginename import EngineName
 from ..render.gaussians import RawGaussians
 from ..render.software import SoftwareEngine
 from .credentials.badge import badged
-from .errors import OutputError, UsageError
+from .errors import InputError, UsageError
 from .files.outputs import keep_inputs
 from .files.pictures import write_png
 from .performing.portrait import portrait
@@ -95,7 +95,7 @@ def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], en
         drawer.close()
     grid = np.concatenate(pictures)
     if not grid.size:
-        raise OutputError(f"{out}: nothing to draw; ask for one component or more of an avatar that moves")
+        raise InputError(f"{path}: has no components, so nothing of it moves; distill it of moments that differ")
     write_png(badged(grid), out)
 
 

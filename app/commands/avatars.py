@@ -188,7 +188,7 @@ def train_regressor(
         avatar: Name of an avatar or a .gem file.
         sources: The capture of the avatar's person, if there is one, whose frames are then learned from; and face
             videos whose motion the training also learns from, without labels.
-        out: Where the avatar with its regressor goes. Default: the same file.
+        out: Where the avatar with its regressor goes. Default: the same file, unless it ships.
         companions: Other avatars, which play strangers. Default: the other shipped ones.
         rehearse_with: An avatar with ARKit shapes and a regressor: what it would answer is what this one acts first, to
             learn how that reads on it. Default: what it has learned before, if it has.
@@ -248,4 +248,4 @@ def train_regressor(
             raise UsageError(f"{videos[0]}: does nothing for --pictures 0; leave it out")
     lasting = OwnWish.steps if steps is None else steps
     own = OwnWish(tuple(videos), tuple(others), drawn, lasting, chance, labels, report, strip, jobs)
-    return run_own_training(path, captures[0], out or path, own)
+    return run_own_training(path, captures[0], out, own)

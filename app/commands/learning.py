@@ -100,7 +100,8 @@ def refine(
     Args:
         avatar: Name of an avatar or a .gem file, distilled from this person.
         capture: The folder of a capture.
-        out: The .gem to write. Default: the same file. It stays as it was where held-out pictures get no better.
+        out: The .gem to write. Default: the same file, unless it ships or has a regressor, which refining drops. It
+            stays as it was where held-out pictures get no better.
         iterations: Steps, each on one picture.
         coefficients: Whether the expressions of the moments are changed, too.
         colors: Whether the colours of the splats are changed, too.
@@ -116,7 +117,7 @@ def refine(
 
     path = find_avatar(avatar)
     wish = RefineWish(iterations, coefficients, colors, start, moments, sheet, perceptual, seed)
-    return run_refining(path, capture, out or path, wish)
+    return run_refining(path, capture, out, wish)
 
 
 def evaluate(

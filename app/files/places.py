@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ..errors import OutputError, UsageError
-from ..library import SUFFIX
+from ..library import SHIPPED, SUFFIX
 from .outputs import keep_inputs
 from .tensorfile import is_tensor_file
 
@@ -15,6 +15,15 @@ def check_avatar_name(out: Path) -> None:
     """Raises UsageError for a name that no avatar's file has."""
     if out.suffix != SUFFIX:
         raise UsageError(f"{out}: an avatar's file is called {SUFFIX}, such as -o {out.with_suffix(SUFFIX).name}")
+
+
+def place_of_changed(avatar: Path, out: Path | None) -> Path:
+    """Where an avatar goes that a command changes: ``out``, or over itself. Raises UsageError where that would be over
+    one that ships, or where ``out`` is no name of an avatar."""
+    if out is None and avatar.resolve().parent == SHIPPED:
+        raise UsageError(f"{avatar}: ships with gemheads and stays as it is; give -o, such as -o my-{avatar.name}")
+    check_avatar_name(out or avatar)
+    return out or avatar
 
 
 def check_places(*outs: Path | None, read: Iterable[Path | None] = ()) -> None:

@@ -14,6 +14,7 @@ from ..files.places import check_places
 from ..performing.casting import open_avatar
 from ..performing.performance import Pose
 from ..progress import ProgressBar
+from .likeness import tell_of_unlikeness
 from .moments import save_moments
 from .opencapture import chosen, opened
 
@@ -74,6 +75,7 @@ def run_capture_fitting(capture: Path, out: Path, avatar: Path, wish: CaptureWis
     views = len({shot.camera_index for shot in shots})
     text = f"{out}: {len(poses)} moments from {views} cameras, {np.median(quality):.1f} dB"
     print(f"{text} (least {min(quality):.1f} at timestep {worst.timestep}), {np.median(seconds):.2f} s a moment")
+    tell_of_unlikeness(avatar, capture, float(np.median(quality)))
     return code
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...models.captures.layout import transforms_name
 from ...models.captures.reader import Capture, open_capture
 from ...models.heads.performance import perform
 from ...models.importers.adopt import Progress
@@ -17,7 +18,7 @@ from ...models.importers.plysequence import MAX_FRAMES, open_sequence, ply_files
 from ...models.importers.source import Source
 from ..errors import InputError, TrainingExtra, UsageError
 from ..words import refuse
-from .opencapture import is_capture, is_run, tell_of_rooms
+from .opencapture import is_capture, is_run, is_unfinished, tell_of_rooms
 
 LEAST_MAPS, MOST_MAPS = 16, 512
 FRAMES, MAPS = 600, 128
@@ -68,6 +69,9 @@ def open_source(place: str, wanted: Wanted, progress: Progress = lambda stage, d
     path = Path(place)
     if is_capture(path):
         return _bare_mesh(path, wanted, progress)
+    if is_unfinished(path):
+        what = f"is an unfinished capture, without {transforms_name('train')}"
+        raise InputError(f"{place}: {what}; give the command that makes it again, and it goes on")
     if wanted.moments is not None and not is_run(path):
         raise UsageError(f"{place}: is no capture and no training run, so there are no --moments to write")
     if is_run(path):

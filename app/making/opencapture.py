@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ...models.captures.ground import room_behind
 from ...models.captures.heldout import spread
-from ...models.captures.layout import SPLITS, CaptureError, Shot, transforms_name
+from ...models.captures.layout import IMAGES, SPLITS, TEMPLATE, CaptureError, Shot, transforms_name
 from ...models.captures.reader import Capture, open_capture
 from ..errors import InputError, UsageError
 
@@ -14,6 +14,11 @@ from ..errors import InputError, UsageError
 def is_capture(path: Path) -> bool:
     """Whether it is the folder of a capture, sound or not."""
     return (path / transforms_name("train")).is_file()
+
+
+def is_unfinished(path: Path) -> bool:
+    """Whether it is the folder of a capture whose list of pictures, which is written last, is not there yet."""
+    return (path / TEMPLATE).is_file() and (path / IMAGES).is_dir() and not is_capture(path)
 
 
 def is_run(path: Path) -> bool:

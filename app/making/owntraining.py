@@ -10,7 +10,7 @@ from ...models.driver.regressor import Regressor
 from ...models.gemfile import load_gem, read_info, save_gem
 from ..errors import ExitCode, InputError, NoFaceError, TrainingExtra, UsageError
 from ..files.pictures import write_png
-from ..files.places import check_avatar_name, check_places, save_learned
+from ..files.places import check_places, place_of_changed, save_learned
 from ..performing.casting import open_avatar
 from ..progress import ProgressBar
 from ..reenacting.reports import write_json
@@ -41,7 +41,7 @@ class OwnWish:
     """Processes; None: as many as are worth it."""
 
 
-def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> ExitCode:
+def run_own_training(avatar: Path, capture: Path, out: Path | None, wish: OwnWish) -> ExitCode:
     """Train the regressor of a captured person's avatar, save the avatar with it, and say how well it drives itself.
 
     Raises CommandError.
@@ -56,8 +56,8 @@ def run_own_training(avatar: Path, capture: Path, out: Path, wish: OwnWish) -> E
     _check(wish)
     check_moves(avatar, *wish.companions)
     check_videos(wish.videos)
+    out = place_of_changed(avatar, out)
     cast, footage = open_avatar(avatar), opened(capture)
-    check_avatar_name(out)
     own = None if out.resolve() == avatar.resolve() else avatar
     check_places(out, wish.report, wish.strip, read=[capture, own, wish.labels, *wish.videos, *wish.companions])
     if wish.strip is not None and not footage.test:

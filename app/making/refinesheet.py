@@ -40,4 +40,4 @@ def _drawn(capture: Capture, side: Side, shot: Shot) -> NDArray[np.uint8]:
     moment = moments[shot.timestep]
     raw = gem.compose(moment.coefficients)
     raw = pose_head(raw, gem.neck_weights, gem.neck_pivot, moment.pose.turn, moment.pose.move)
-    return over(SoftwareEngine().draw(raw, shot.camera), capture.background).copy()
+    return over(SoftwareEngine().draw(raw, shot.camera), capture.ground(shot)).copy()

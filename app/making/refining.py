@@ -14,10 +14,11 @@ from ...models.gemfile import GemFormatError, save_gem
 from ...models.wholefile import file_sha256
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.pictures import write_png
-from ..files.places import check_avatar_name, check_places, save_learned
+from ..files.places import check_places, place_of_changed, save_learned
 from ..performing.casting import Avatar, open_avatar
 from ..performing.performance import Pose
 from ..progress import ProgressBar
+from .likeness import tell_of_unlikeness
 from .moments import save_moments
 from .opencapture import opened
 from .trainingmoments import training_moments
@@ -46,7 +47,7 @@ class RefineWish:
     seed: int = 0
 
 
-def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> ExitCode:
+def run_refining(avatar: Path, capture: Path, out: Path | None, wish: RefineWish) -> ExitCode:
     """Refine, save the better avatar, and say what came of it. Raises CommandError.
 
     Stopped with Ctrl-C, it saves the best so far and returns INTERRUPTED. Killed, the same goes on where it was.
@@ -57,8 +58,11 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
         from ...models.train.synthesis.unfinished import Unfinished
     if not LEAST <= wish.iterations <= MOST:
         raise UsageError(f"--iterations {wish.iterations}: choose from {LEAST} to {MOST}")
-    check_avatar_name(out)
-    cast, footage = open_avatar(avatar), opened(capture)
+    over_itself, out = out is None, place_of_changed(avatar, out)
+    cast = open_avatar(avatar)
+    if over_itself and cast.gem.regressor is not None:
+        raise UsageError(f"{avatar}: has a regressor, which knows the old bases and would be lost; give -o OUT.gem")
+    footage = opened(capture)
     read = [capture, wish.start, None if out.resolve() == avatar.resolve() else avatar]
     check_places(out, wish.moments, wish.sheet, read=read)
     effort = RefineEffort(
@@ -85,6 +89,7 @@ def run_refining(avatar: Path, capture: Path, out: Path, wish: RefineWish) -> Ex
         sheet = refine_sheet(footage, answer.judges, (cast.gem, begin), (answer.gem, answer.moments))
         write_png(sheet, wish.sheet)
     print(_told(answer, cast, out))
+    tell_of_unlikeness(avatar, capture, answer.after)
     return ExitCode.INTERRUPTED if answer.stopped else ExitCode.OK
 
 
@@ -101,9 +106,9 @@ def _perceptual() -> "Perceptual":
 def _identity(cast: Avatar, footage: Capture, begin: "Mapping[int, Start]", wish: RefineWish) -> str:
     """Tells apart whatever would be refined into something else."""
     effort = wish.iterations, wish.coefficients, wish.colors, wish.perceptual, wish.seed
-    known = hashlib.sha256(f"{cast.sha256} {effort} {footage.background}".encode() + footage.template.digest())
+    known = hashlib.sha256(f"{cast.sha256} {effort}".encode() + footage.template.digest())
     for shot in (*footage.train, *footage.val):
-        known.update(f"{shot.camera}".encode())
+        known.update(f"{shot.camera} {footage.ground(shot)}".encode())
         for file in (shot.picture, shot.mask):
             if file is not None:
                 looked = file.stat()

@@ -9,7 +9,7 @@ from ...models.driver.regressor import Regressor
 from ...models.gem import Gem
 from ...models.gemfile import GemFormatError, load_gem, read_info, save_gem
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError
-from ..files.places import check_avatar_name, check_places, save_learned
+from ..files.places import check_places, place_of_changed, save_learned
 from ..jobs import affordable_jobs, check_jobs
 from ..progress import ProgressBar
 
@@ -45,7 +45,7 @@ def run_training(avatar: Path, out: Path | None, wish: TrainingWish) -> ExitCode
     check_learning(wish.steps, wish.jobs)
     check_moves(avatar, *wish.companions)
     check_videos(wish.videos)
-    out = _place(out or avatar, [*wish.videos, *wish.companions, wish.former])
+    out = _place(avatar, out, [*wish.videos, *wish.companions, wish.former])
     try:
         gem, told = (_turns if wish.turns_only else _regressor)(avatar, wish)
         Regressor.of(gem)  # what cannot be opened is not saved
@@ -101,9 +101,9 @@ def _turns(avatar: Path, wish: TrainingWish) -> tuple[Gem, str]:
     )
 
 
-def _place(out: Path, read: Sequence[Path | None]) -> Path:
+def _place(avatar: Path, out: Path | None, read: Sequence[Path | None]) -> Path:
     """Where the avatar is written with what it learned; over itself it may be. Raises CommandError."""
-    check_avatar_name(out)
+    out = place_of_changed(avatar, out)
     check_places(out, read=read)
     return out
 
@@ -145,7 +145,7 @@ def run_taking_over(avatar: Path, out: Path | None, former: Path) -> ExitCode:
     with TrainingExtra("training"):
         from ...models.train.regressors.takeover import taken_over
     check_moves(avatar)
-    out = _place(out or avatar, [former])
+    out = _place(avatar, out, [former])
     try:
         gem = load_gem(avatar)
         gem = replace(gem, regressor=taken_over(load_gem(former), gem))

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.rotations import rotvec_from_matrix
+
 Floats = NDArray[np.floating]
 _ROUNDS = 12
 _FLOOR_M = 2e-4
@@ -33,7 +35,7 @@ def estimated(vertices: Floats, template: Floats, neck_weights: Floats, pivot: F
         off = np.linalg.norm(source @ turn.T + move - target, axis=1)
         middle = float(np.median(off[share > 0.5])) if (share > 0.5).any() else float(np.median(off))
         weights = share / (1 + (off / max(middle, _FLOOR_M)) ** 2)
-    return _rotvec(turn).astype(np.float32), move.astype(np.float32)
+    return rotvec_from_matrix(turn).astype(np.float32), move.astype(np.float32)
 
 
 def _turned(offsets: Floats, shares: Floats, rotation: Floats) -> Floats:
@@ -54,11 +56,3 @@ def rigid(source: Floats, target: Floats, weights: Floats) -> tuple[Floats, Floa
     u, _, vt = np.linalg.svd((source - here).T @ ((target - there) * share[:, None]))
     turn = vt.T @ np.diag([1, 1, np.sign(np.linalg.det(vt.T @ u.T))]) @ u.T
     return turn, there - turn @ here
-
-
-def _rotvec(turn: Floats) -> Floats:
-    """Axis times angle [3] of a rotation matrix of less than half a turn."""
-    twice_sin = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    sin, cos = np.linalg.norm(twice_sin) / 2, (np.trace(turn) - 1) / 2
-    angle = np.arctan2(sin, cos)
-    return twice_sin / 2 * (angle / sin if sin > 1e-9 else 1.0)

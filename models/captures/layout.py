@@ -40,6 +40,8 @@ class Shot:
     camera: Camera
     camera_index: int
     timestep: int
+    background: tuple[float, float, float] | None = None
+    """sRGB in 0..1 of what is behind the person; None where the list of pictures does not state it."""
 
 
 @dataclass(frozen=True)

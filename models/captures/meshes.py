@@ -15,8 +15,19 @@ from .layout import CaptureError, Template, Tracked
 
 _HEAD_METRES = (0.05, 1.5)
 """A template smaller or larger than this is not in metres."""
+_OFF_TEMPLATE = 0.15
+"""Of the template's height: in good captures half of the vertices rest within a hundredth of it, in other axes half of
+the shoulders are off by half of it."""
+_LOOKED_AT = 2000
+"""Vertices, over the whole mesh, tell as well as all of them where it lies."""
 _MAX_PARTS = 256
 _TOPOLOGY = "track every moment with the mesh of template.npz"
+_OTHER_WORLD = (
+    "bring meshes and cameras into the template's axes, about its origin, and into its units, metres; or track that"
+    " moment again"
+)
+_Maybe = NDArray[np.float32] | None
+_Stated = tuple[NDArray[np.float32], _Maybe, _Maybe, _Maybe]
 
 
 def read_template(path: Path) -> Template:
@@ -78,11 +89,43 @@ def _same_topology(path: Path, arrays: Mapping[str, NDArray[Any]], template: Tem
     return floats(path, "vertices", arrays["vertices"], (count, 3))
 
 
-def read_tracked(path: Path, template: Template, measure: bool = True) -> Tracked:
-    """One moment, the head's pose taken out: as the file states it, else as it is estimated.
+def read_tracked(path: Path, template: Template) -> Tracked:
+    """One moment, the head's pose taken out: as the file states it, else as it is estimated. Raises CaptureError."""
+    vertices, rotation, translation, arkit = _read(path, template)
+    weights, pivot = template.neck_weights, template.neck_pivot
+    if rotation is None or translation is None:
+        rotation, translation = estimated(vertices, template.vertices, weights, pivot)
+    vertices = unposed(vertices, weights, pivot, rotation, translation).astype(np.float32)
+    return Tracked(vertices, np.asarray(rotation, np.float32), np.asarray(translation, np.float32), arkit)
 
-    Without ``measure`` the moment is only checked. Raises CaptureError.
+
+def read_weights(path: Path, template: Template) -> NDArray[np.float32] | None:
+    """[52] the ARKit weights of one moment; None where its file has none. Raises CaptureError."""
+    return _read(path, template)[-1]
+
+
+def check_tracked(path: Path, template: Template) -> None:
+    """Makes sure that a moment can be read, and lies on the template once the head's pose is taken out.
+
+    In a world of other axes, origin or units the whole way there would be taken for the head's pose, of which shoulders
+    have no share, and would tear them off. Raises CaptureError.
     """
+    vertices, rotation, translation, _ = _read(path, template)
+    some = slice(None, None, 1 + len(vertices) // _LOOKED_AT)
+    rest, weights = template.vertices[some], template.neck_weights[some]
+    vertices = vertices[some].astype(np.float64)
+    if rotation is None or translation is None:
+        rotation, translation = estimated(vertices, rest, weights, template.neck_pivot)
+    off = np.linalg.norm(unposed(vertices, weights, template.neck_pivot, rotation, translation) - rest, axis=1)
+    follows = weights > 0.9
+    furthest = max(float(np.median(off[part])) for part in (follows, ~follows) if part.any())
+    if furthest > _OFF_TEMPLATE * np.ptp(template.vertices[:, 1]):
+        what = f"lies {furthest:.2g} m off the template, the head's pose taken out"
+        raise CaptureError(path, what, _OTHER_WORLD)
+
+
+def _read(path: Path, template: Template) -> _Stated:
+    """Vertices, rotation, translation and ARKit weights as they stand in the file. Raises CaptureError."""
     arrays = load_arrays(path, ("vertices", "rotation", "translation", "arkit"))
     vertices = _same_topology(path, arrays, template)
     rotation, translation = (
@@ -91,10 +134,4 @@ def read_tracked(path: Path, template: Template, measure: bool = True) -> Tracke
     if (rotation is None) != (translation is None):
         raise CaptureError(path, "has only one of rotation and translation", "give both, or neither")
     arkit = floats(path, "arkit", arrays["arkit"], (len(NAMES),)) if "arkit" in arrays else None
-    weights, pivot = template.neck_weights, template.neck_pivot
-    if rotation is None or translation is None:
-        zero = np.zeros(3, np.float32)
-        rotation, translation = estimated(vertices, template.vertices, weights, pivot) if measure else (zero, zero)
-    if measure:
-        vertices = unposed(vertices, weights, pivot, rotation, translation).astype(np.float32)
-    return Tracked(vertices, np.asarray(rotation, np.float32), np.asarray(translation, np.float32), arkit)
+    return vertices, rotation, translation, arkit

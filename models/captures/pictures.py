@@ -21,6 +21,8 @@ _PNG_END = b"\x00\x00\x00\x00IEND\xaeB`\x82"
 _JPEG, _JPEG_END = b"\xff\xd8", b"\xff\xd9"
 _LAST = 4096
 """Bytes in which a picture ends; some programs put notes behind it."""
+_GREY = 16
+"""Channels of a shade differ by no more, be it by what a JPEG loses."""
 _AGAIN = "export it again as PNG or JPEG"
 
 
@@ -84,9 +86,17 @@ def read_pixels(path: Path, width: int, height: int) -> NDArray[np.uint8]:
 
 
 def read_mask(path: Path, width: int, height: int) -> NDArray[np.uint8]:
-    """How much of each pixel is the person, [H, W]. Raises CaptureError."""
+    """How much of each pixel is the person, [H, W]: the alpha, or where that is opaque throughout, the shade.
+
+    Raises CaptureError, also for colours: which of them would be the mask?
+    """
     pixels = read_pixels(path, width, height)
-    return pixels[..., 3] if pixels.shape[2] == 4 else pixels[..., 0]
+    if pixels.shape[2] == 4 and pixels[..., 3].min() < 255:
+        return pixels[..., 3]
+    colours = pixels[..., :3]
+    if max(cv2.absdiff(colours[..., 0], colours[..., other]).max() for other in (1, 2)) > _GREY:
+        raise CaptureError(path, "has colours, which no mask has", "export it in shades of grey, white the person")
+    return colours[..., 0]
 
 
 def png_bytes(pixels: NDArray[np.uint8]) -> bytes:

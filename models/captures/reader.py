@@ -24,7 +24,7 @@ from .layout import (
     mesh_name,
     transforms_name,
 )
-from .meshes import read_template, read_tracked, read_vertices
+from .meshes import check_tracked, read_template, read_tracked, read_vertices
 from .pictures import picture_size, read_mask, read_pixels
 from .transforms import Transforms, read_transforms
 
@@ -40,7 +40,8 @@ class Capture:
     subject: str
     """What the capture calls the person; the folder's name where it says nothing."""
     background: tuple[float, float, float]
-    """sRGB in 0..1 of what is behind the person; white unless the capture says otherwise."""
+    """sRGB in 0..1 of what is behind the person in training pictures, and where nothing else is stated; white unless
+    the capture says otherwise."""
     template: Template
     train: tuple[Shot, ...]
     val: tuple[Shot, ...]
@@ -73,20 +74,24 @@ class Capture:
         path = self.folder / TRUTH / mesh_name(timestep)
         return read_vertices(path, self.template) if path.is_file() else None
 
+    def ground(self, shot: Shot) -> tuple[float, float, float]:
+        """sRGB in 0..1 of what is behind the person in one picture: what its list states, else the capture's."""
+        return self.background if shot.background is None else shot.background
+
     def over_background(self, shot: Shot) -> NDArray[np.uint8]:
-        """A picture [H, W, 3] over the capture's background: as it was taken, where that is known.
+        """A picture [H, W, 3] over its background: as it was taken, where that is known.
 
         Raises CaptureError like ``read``.
         """
         rgba = self.read(shot).astype(np.float32)
         share = rgba[..., 3:] / 255
-        ground = 255 * np.array(self.background, np.float32)
+        ground = 255 * np.array(self.ground(shot), np.float32)
         return np.round(rgba[..., :3] * share + ground * (1 - share)).astype(np.uint8)
 
     def read(self, shot: Shot) -> NDArray[np.uint8]:
         """A picture as straight RGBA [H, W, 4], sRGB; alpha is 255 everywhere without a mask.
 
-        In a capture that states its background, that is taken out of the edges: over it, the answer is the picture.
+        Where its background is stated, that is taken out of the edges: over it, the answer is the picture.
         Raises CaptureError where the file changed since the capture was opened.
         """
         width, height = shot.camera.width, shot.camera.height
@@ -96,8 +101,8 @@ class Capture:
         if shot.mask is not None:
             alpha = read_mask(shot.mask, width, height)
         rgba = np.dstack([pixels[..., :3], alpha])
-        if not own_alpha and "background" in self.about:
-            _take_out(rgba, self.background)
+        if not own_alpha and (shot.background is not None or "background" in self.about):
+            _take_out(rgba, self.ground(shot))
         return rgba
 
     def viewing(self) -> Viewing:
@@ -138,13 +143,13 @@ def open_capture(folder: Path) -> Capture:
         for shot in split.shots:
             _check_pictures(shot)
     for path in meshes.values():
-        read_tracked(path, template, measure=False)
+        check_tracked(path, template)
     about = splits["train"].about
     _check_about(folder / transforms_name("train"), about)
     return Capture(
         folder=folder,
         subject=str(about.get("subject") or folder.name),
-        background=_background(folder / transforms_name("train"), about),
+        background=splits["train"].shots[0].background or WHITE,
         template=template,
         train=splits["train"].shots,
         val=splits["val"].shots,
@@ -165,14 +170,22 @@ def _joined(folder: Path, splits: Mapping[str, Transforms]) -> dict[int, Path]:
 
 
 def _check_held_out(folder: Path, splits: Mapping[str, Transforms]) -> None:
-    """What judges was never learned from: no view of a training moment, and no picture, is in two splits."""
-    views = {(shot.timestep, shot.camera_index) for shot in splits["train"].shots}
-    pictures = {shot.picture for shot in splits["train"].shots}
-    for split in SPLITS[1:]:
+    """What judges was never learned from: no view of a moment and no picture is in two splits, and no moment of test in
+    train."""
+    seen: dict[object, str] = {}
+    for split in SPLITS:
         for shot in splits[split].shots:
-            if shot.picture in pictures or (shot.timestep, shot.camera_index) in views:
-                what = f"{shot.picture.name} is in {transforms_name('train')} too, and would judge what it taught"
-                raise CaptureError(folder / transforms_name(split), what, "take it out of one of the two")
+            for known in (shot.picture, (shot.timestep, shot.camera_index)):
+                if (other := seen.setdefault(known, split)) != split:
+                    would = "would judge what it taught" if other == "train" else "would count twice"
+                    what = f"{shot.picture.name} is in {transforms_name(other)} too, and {would}"
+                    raise CaptureError(folder / transforms_name(split), what, "take it out of one of the two")
+    learned = {shot.timestep for shot in splits["train"].shots}
+    for shot in splits["test"].shots:
+        if shot.timestep in learned:
+            what = f"timestep {shot.timestep} is in {transforms_name('train')} too, so its expression is not held out"
+            cure = f"list a camera that is held out in {transforms_name('val')}"
+            raise CaptureError(folder / transforms_name("test"), what, cure)
 
 
 def _check_pictures(shot: Shot) -> None:
@@ -187,16 +200,6 @@ def _check_pictures(shot: Shot) -> None:
         if size != wanted:
             what = f"is {size[0]}x{size[1]}, its camera {wanted[0]}x{wanted[1]}"
             raise CaptureError(path, what, "scale the picture, or the camera's w, h, fl_x, fl_y, cx, cy")
-
-
-def _background(path: Path, about: Mapping[str, Any]) -> tuple[float, float, float]:
-    try:
-        red, green, blue = (float(value) for value in about.get("background", WHITE))
-    except (TypeError, ValueError, OverflowError):
-        red = green = blue = -1.0
-    if not all(0 <= value <= 1 for value in (red, green, blue)):
-        raise CaptureError(path, f"has background {about['background']!r}", "give three numbers in 0..1")
-    return red, green, blue
 
 
 def _check_about(path: Path, about: Mapping[str, Any]) -> None:

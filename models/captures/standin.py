@@ -38,11 +38,11 @@ class StandIn:
         turn, move = (tracked.rotation, tracked.translation) if pose is None else pose
         posed = pose_head(raw, neck_weights, pivot, turn, move)
         image = self._engine.draw(posed, shot.camera)
-        ground = np.array(self._capture.background, np.float32)
+        ground = np.array(self._capture.ground(shot), np.float32)
         return np.clip(image[..., :3] + (1 - image[..., 3:]) * ground, 0, 1).astype(np.float32)
 
     def truth(self, shot: Shot) -> NDArray[np.float32]:
-        """[H, W, 3] the picture that was taken, over the capture's background."""
+        """[H, W, 3] the picture that was taken, over its background."""
         rgba = self._capture.read(shot).astype(np.float32) / 255
-        ground = np.array(self._capture.background, np.float32)
+        ground = np.array(self._capture.ground(shot), np.float32)
         return (rgba[..., :3] * rgba[..., 3:] + ground * (1 - rgba[..., 3:])).astype(np.float32)

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -49,11 +49,12 @@ def read_transforms(path: Path) -> Transforms:
         raise CaptureError(path, "has no list 'frames'", "export it in the form of docs/captures.md")
     if (units := tree.get("units", UNITS)) != UNITS:
         raise CaptureError(path, f"is in {units!r}", "scale cameras and meshes to metres and say 'units': 'm'")
+    background = _background(path, tree)
     shots, meshes, cameras = [], {}, {}
     for index, frame in enumerate(frames):
         if not isinstance(frame, dict):
             raise CaptureError(path, f"frame {index} is no object", _FRAME_CURE)
-        shot = _shot(path, f"frame {index}", tree, frame, cameras)
+        shot = replace(_shot(path, f"frame {index}", tree, frame, cameras), background=background)
         mesh = _inside(path, f"frame {index}", frame.get("mesh_path", f"{MESHES}/{mesh_name(shot.timestep)}"))
         if meshes.setdefault(shot.timestep, mesh) != mesh:
             both = f"{meshes[shot.timestep].name} and {mesh.name}"
@@ -102,6 +103,19 @@ def _load(path: Path) -> dict[str, Any]:
     return tree
 
 
+def _background(path: Path, tree: Mapping[str, Any]) -> tuple[float, float, float] | None:
+    """sRGB in 0..1 of what is behind the person; None where nothing is stated."""
+    if "background" not in tree:
+        return None
+    try:
+        red, green, blue = (float(value) for value in tree["background"])
+    except (TypeError, ValueError, OverflowError):
+        red = green = blue = -1.0
+    if not all(0 <= value <= 1 for value in (red, green, blue)):
+        raise CaptureError(path, f"has background {tree['background']!r}", "give three numbers in 0..1")
+    return red, green, blue
+
+
 def _shot(
     path: Path, name: str, tree: Mapping[str, Any], frame: Mapping[str, Any], cameras: dict[bytes, Camera]
 ) -> Shot:
@@ -133,7 +147,10 @@ def _shot(
 
 def _check_lens(path: Path, name: str, tree: Mapping[str, Any], frame: Mapping[str, Any]) -> None:
     """Raises CaptureError for a lens that bends lines: nothing here would straighten them."""
-    bent = [key for key in _DISTORTION if frame.get(key, tree.get(key, 0)) != 0]
+    said = {key: frame.get(key, tree.get(key)) for key in _DISTORTION}
+    if odd := [key for key, value in said.items() if value is not None and not _is_number(value)]:
+        raise CaptureError(path, f"{name}: {odd[0]} is {said[odd[0]]!r}, which is no number", "give a number, or none")
+    bent = [key for key, value in said.items() if value]
     model = frame.get("camera_model", tree.get("camera_model", "PINHOLE"))
     if bent or model not in _STRAIGHT:
         what = f"{name}: its lens bends lines ({', '.join(bent) or model})"

@@ -9,6 +9,7 @@ from ...render.gaussians import RawGaussians
 from ..captures.reader import Capture
 from ..captures.texels import texels_of
 from ..captures.texture import texel_colors
+from ..captures.weights import training_weights
 from ..gem import Gem
 from .source import Source
 
@@ -46,11 +47,9 @@ def capture_source(
     def frames() -> Iterator[RawGaussians]:
         return (texels.carried(rest, capture.tracked(moment).vertices) for moment in moments)
 
-    arkit = [capture.tracked(moment).arkit for moment in moments]
-    known = [weights for weights in arkit if weights is not None]
-    notes = [] if len(known) == len(arkit) else ["it has no ARKit weights, so only tracks and a regressor drive it"]
+    performance, notes = training_weights(capture)
     if not seen.all():
-        notes.append(f"{(~seen).mean():.0%} of its texels are in no picture and have their neighbours' colours")
+        notes += (f"{(~seen).mean():.0%} of its texels are in no picture and have their neighbours' colours",)
     return Source(
         kind=KIND,
         splats=len(texels),
@@ -60,8 +59,8 @@ def capture_source(
         neck_weights=np.clip(texels.spread(capture.template.neck_weights), 0, 1).astype(np.float32),
         neck_pivot=np.asarray(capture.template.neck_pivot, np.float32),
         viewing=capture.viewing(),
-        performance=np.stack(known) if len(known) == len(arkit) else None,
-        notes=tuple(notes),
+        performance=performance,
+        notes=notes,
         uv_index=np.stack([texels.uv_index % size, texels.uv_index // size], 1).astype(np.uint16),
         uv_size=size,
         moments=moments,

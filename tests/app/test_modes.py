@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.credentials.badge import badged
-from gemheads.app.errors import OutputError, UsageError
+from gemheads.app.errors import InputError, OutputError, UsageError
 from gemheads.app.modes import LABEL_PX, draw_modes, modes_picture
 from gemheads.models.gem import MODALITIES, Basis
-from gemheads.models.gemfile import load_gem
+from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.render.software import SoftwareEngine
 
 
@@ -49,6 +49,13 @@ def test_the_command_writes_a_png(tiny: Path, tmp_path: Path) -> None:
     gem, engine = load_gem(tiny), SoftwareEngine()
     bare = np.concatenate([modes_picture(gem, range(2), modality, (32, 32), engine) for modality in MODALITIES])
     assert (picture[..., ::-1] == badged(bare)).all()
+
+
+def test_an_avatar_that_does_not_move_cannot_be_drawn(tiny: Path, tmp_path: Path) -> None:
+    still = tmp_path / "still.gem"
+    save_gem(load_gem(tiny).truncated(0), still)
+    with pytest.raises(InputError, match=r"still.gem: has no components, so nothing of it moves"):
+        draw_modes(still, tmp_path / "modes.png", 2, (32, 32), "software")
 
 
 def test_a_folder_that_is_a_file_is_one_plain_error(tiny: Path, tmp_path: Path) -> None:

@@ -73,6 +73,8 @@ def main() -> int:
     options = parser.parse_args()
     capture = open_capture(options.capture)
     shots = judged_shots(capture, options.shots)
+    if not shots:
+        parser.error(f"{options.capture} holds out no pictures (val, test), so nothing can be judged")
     methods = _methods(capture, shots, options)
     figures, rows = measure(capture, shots, methods, Judge(_network(options.network)))
     text = table(figures, capture, shots)
@@ -87,10 +89,11 @@ def main() -> int:
 
 
 def judged_shots(capture: Capture, count: int) -> dict[str, list[Shot]]:
-    """Split -> pictures: the held-out camera, in both."""
+    """Split -> pictures: the held-out camera, in both; a split without pictures is left out."""
     cameras = {shot.camera_index for shot in capture.val}
     test = [shot for shot in capture.test if shot.camera_index in cameras] or list(capture.test)
-    return {"val": spaced(capture.val, count // 2), "test": spaced(test, count - count // 2)}
+    shots = {"val": spaced(capture.val, count // 2), "test": spaced(test, count - count // 2)}
+    return {split: taken for split, taken in shots.items() if taken}
 
 
 def measure(
@@ -101,7 +104,7 @@ def measure(
     figures: dict[str, dict[str, dict[str, float]]] = {}
     for split, taken in shots.items():
         values: dict[str, list[dict[str, float | None]]] = {method.name: [] for method in methods}
-        shown = {taken[len(taken) // 2].picture, taken[-1].picture} if taken else set()
+        shown = {taken[len(taken) // 2].picture, taken[-1].picture}
         for shot in taken:
             truth = standin.truth(shot)
             cells = [np.concatenate([_bytes(truth), np.full(truth.shape, 255, np.uint8)])]

@@ -42,7 +42,7 @@ def write_capture(
             weights[NAMES.index("eyeBlinkRight")] = weights[NAMES.index("eyeBlinkLeft")]
         coefficients[timestep] = gem.clamped(gem.arkit_coefficients(weights))
         raw = gem.compose(coefficients[timestep])
-        vertices = _template().vertices + np.float32([0, -0.02, 0]) * weights.sum()
+        vertices = _template().vertices + np.float32([0, -0.004, 0]) * weights.sum()
         writer.write_mesh(timestep, vertices, np.zeros(3), np.zeros(3), weights)
         for index, yaw in enumerate(YAWS):
             camera = orbit(gem.viewing.target, 1.1, yaw, 0, 20, SIZE, SIZE)

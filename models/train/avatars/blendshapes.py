@@ -6,7 +6,7 @@ from torch import nn
 from ....render.diff.tensors import RawTensors
 from ...arkit import NAMES
 from ...captures.layout import CaptureError
-from ...captures.meshes import read_tracked
+from ...captures.meshes import read_weights
 from ...captures.reader import Capture
 from ...captures.texels import Texels
 from .avatar import Avatar
@@ -31,7 +31,7 @@ class BlendshapeAvatar(Avatar):
     def require(cls, capture: Capture) -> None:
         """Every moment must have its ARKit weights. Raises CaptureError."""
         for path in capture.meshes.values():
-            if read_tracked(path, capture.template, measure=False).arkit is None:
+            if read_weights(path, capture.template) is None:
                 what = "has no ARKit weights, and nothing else drives blendshapes"
                 cure = "store arkit [52] with every mesh (docs/captures.md), or train --model rigged, which needs none"
                 raise CaptureError(path, what, cure)

@@ -7,6 +7,7 @@ import numpy as np
 from ....render.gaussians import RawGaussians
 from ...arkit import NAMES
 from ...captures.layout import Tracked
+from ...captures.weights import training_weights
 from ...importers.source import Source
 from .runs import Run
 
@@ -21,8 +22,9 @@ def run_source(run: Run) -> Source:
             yield run.splats(capture.tracked(timestep))
 
     still = np.zeros(3, np.float32)
-    weights = [capture.tracked(timestep).arkit for timestep in timesteps]
-    known = [row for row in weights if row is not None]
+    performance, notes = training_weights(capture)
+    if run.step != run.plan.steps:
+        notes += (f"trained for {run.step} of {run.plan.steps} steps",)
     return Source(
         kind=f"{run.avatar.title} avatar",
         splats=len(run.texels),
@@ -32,9 +34,9 @@ def run_source(run: Run) -> Source:
         neck_weights=np.clip(run.texels.spread(template.neck_weights), 0, 1).astype(np.float32),
         neck_pivot=np.array(template.neck_pivot, np.float32),
         viewing=capture.viewing(),
-        performance=np.stack(known) if len(known) == len(timesteps) else None,
+        performance=performance,
         uv_index=np.stack(np.divmod(run.texels.uv_index, run.plan.size)[::-1], 1).astype(np.uint16),
         uv_size=run.plan.size,
         moments=timesteps,
-        notes=() if run.step == run.plan.steps else (f"trained for {run.step} of {run.plan.steps} steps",),
+        notes=notes,
     )

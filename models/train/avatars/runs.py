@@ -19,7 +19,7 @@ from ....render.gaussians import RawGaussians
 from ...captures.layout import SPLITS, Tracked, transforms_name
 from ...captures.reader import Capture, open_capture
 from ...captures.texels import Texels, texels_of
-from ...wholefile import open_ordinary, write_whole
+from ...wholefile import file_sha256, open_ordinary, write_whole
 from .avatar import Avatar
 from .deform import moment_of
 from .kinds import KINDS, untrained
@@ -47,7 +47,7 @@ class Config:
     plan: Plan
     seconds: float | None = 0.0
     """Spent so far, by the clock, previews and checkpoints included; None where the run is from before it was kept."""
-    learned_of: str = ""
+    learned_from: str = ""
     """What ``known_by`` says of the capture; empty where the run is from before it was kept."""
 
 
@@ -124,8 +124,8 @@ def load(avatar: Avatar, weights: Mapping[str, Any], folder: Path) -> None:
 def write_config(folder: Path, config: Config) -> None:
     """Raises OSError."""
     told: dict[str, Any] = {"version": VERSION, "capture": str(config.capture.resolve()), "subject": config.subject}
-    if config.learned_of:
-        told["learned_of"] = config.learned_of
+    if config.learned_from:
+        told["learned_from"] = config.learned_from
     told["seconds"] = None if config.seconds is None else round(config.seconds, 1)
     text = json.dumps({**told, "plan": asdict(config.plan)}, indent=1)
     write_whole(folder / CONFIG, [text.encode()])
@@ -143,7 +143,7 @@ def read_config(folder: Path) -> Config | None:
             told = json.loads(file.read(MOST_CONFIG_BYTES).decode())
         version = told["version"]
         if version == VERSION:
-            known = str(told.get("learned_of", ""))
+            known = str(told.get("learned_from", ""))
             return Config(Path(told["capture"]), str(told["subject"]), Plan(**told["plan"]), _seconds(told), known)
     except (ValueError, KeyError, TypeError, OverflowError, RecursionError, OSError) as error:
         raise RunError(path, f"cannot be understood ({str(error)[:200]})", "train again into another folder") from error
@@ -199,27 +199,29 @@ def broken(folder: Path, error: Exception) -> RunError:
 
 
 def known_by(capture: Capture) -> str:
-    """SHA-256 of what tells a capture from another in its folder: its lists of pictures, its template, and how large
-    pictures, masks and meshes are. Wherever it is moved to, it stays the same."""
+    """SHA-256 of what tells a capture from another in its folder: its lists of pictures, its template, all that was
+    tracked, and how large pictures and masks are, whose contents would take minutes to read in a large capture.
+    Wherever it is moved to, it stays the same. Raises OSError."""
     known = hashlib.sha256(capture.template.digest())
     for split in SPLITS:
         known.update((capture.folder / transforms_name(split)).read_bytes() if capture.shots(split) else b"")
         files = [file for shot in capture.shots(split) for file in (shot.picture, shot.mask) if file is not None]
         known.update(f"{split} {[file.stat().st_size for file in files]}".encode())
-    known.update(f"{[(moment, mesh.stat().st_size) for moment, mesh in sorted(capture.meshes.items())]}".encode())
+    for moment, mesh in sorted(capture.meshes.items()):
+        known.update(f"{moment} {file_sha256(mesh)}".encode())
     return known.hexdigest()
 
 
 def _recognize(folder: Path, config: Config, capture: Capture) -> None:
     """Raises RunError where the capture is another one than was learned of."""
-    if config.learned_of and config.learned_of != known_by(capture):
+    if config.learned_from and config.learned_from != known_by(capture):
         what = f"learned of another capture than {capture.folder} holds now"
         raise RunError(folder, what, "bring that one back, or train again into another folder")
 
 
 def begin_run(folder: Path, capture: Capture, plan: Plan) -> Config:
     """Makes the folder and writes its config; a run of the same goes on, with its own. Raises RunError, OSError."""
-    config = Config(capture.folder, capture.subject, plan, learned_of=known_by(capture))
+    config = Config(capture.folder, capture.subject, plan, learned_from=known_by(capture))
     before = read_config(folder)
     if before is None and folder.is_dir() and any(not file.name.startswith(".") for file in folder.iterdir()):
         raise RunError(folder, "is no run, and there is something in it", "name a new folder")
@@ -227,7 +229,7 @@ def begin_run(folder: Path, capture: Capture, plan: Plan) -> Config:
         raise RunError(folder, "holds a run of other settings", "give the same ones to go on, or another folder")
     if before is not None:
         if before.capture.resolve() != config.capture.resolve():
-            if before.learned_of != config.learned_of:
+            if before.learned_from != config.learned_from:
                 what, cure = f"holds a run of {before.capture}", "give that capture to go on, or another folder"
                 raise RunError(folder, what, cure)
             before = replace(before, capture=config.capture)  # it was moved

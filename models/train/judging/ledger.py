@@ -86,7 +86,9 @@ class ShotKeys:
         lens = [camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height]
         mask = None if shot.mask is None else self._hash(shot.mask)
         place = camera.world_to_camera.ravel().tolist()
-        return [shot.camera_index, self._hash(shot.picture), mask, lens, place]
+        ground = self._capture.ground(shot)
+        other = [] if ground == self._capture.background else [list(ground)]
+        return [shot.camera_index, self._hash(shot.picture), mask, lens, place, *other]
 
     def _hash(self, path: Path) -> str:
         if path not in self._hashes:

@@ -59,20 +59,20 @@ def fit_moments(gem: Gem, capture: Capture, shots: Sequence[Shot], effort: Effor
         tracked = capture.tracked(timestep)
         pose = HeadPose(tracked.rotation, tracked.translation)
         pictures, cameras = zip(*(_view(capture, shot) for shot in views), strict=True)
-        answer = None
+        answer, ground = None, capture.ground(views[0])  # one split has one
         if before is not None and timestep - before[0] <= NEIGHBOURS:
             start = Start(before[1].coefficients, pose, before[1].memory)
-            answer = fit(gem, pictures, cameras, capture.background, start, FOLLOWING, around=pose)
+            answer = fit(gem, pictures, cameras, ground, start, FOLLOWING, around=pose)
         if answer is None or (before is not None and answer.psnr < before[1].psnr - LOST_DB):
             start = Start(gem.rest_coefficients, pose)
-            anew = fit(gem, pictures, cameras, capture.background, start, effort, around=pose)
+            anew = fit(gem, pictures, cameras, ground, start, effort, around=pose)
             answer = anew if answer is None or anew.psnr > answer.psnr else answer
         before = timestep, answer
         yield FittedMoment(timestep, views, pictures, answer)
 
 
 def _view(capture: Capture, shot: Shot) -> tuple[NDArray[np.uint8], Camera]:
-    """The picture over the capture's background, and its camera, no larger than LARGEST_SIDE."""
+    """The picture over its background, and its camera, no larger than LARGEST_SIDE."""
     picture = capture.over_background(shot)
     height, width = picture.shape[:2]
     shrink = min(1.0, LARGEST_SIDE / max(width, height))

@@ -152,6 +152,6 @@ class FreeGem:
 
 def _drift(before: Floats, after: Floats, rest: Floats, sigma: Floats) -> Floats:
     """[coefficients] how far moments [F, coefficients] that were near the rest went when they were free to."""
-    distance = np.square((before - rest) / sigma).mean(1)
+    distance = np.square((before - rest) / sigma).sum(1) / max(1, before.shape[1])  # one moment has no coefficients
     weights = np.exp(-(distance - distance.min()) / (2 * NEAR_REST**2))
     return weights @ (after - before) / weights.sum()

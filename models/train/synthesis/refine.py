@@ -291,7 +291,7 @@ class _Run:
         if effort.coefficients:
             groups.append(([free.whitened], COEFFICIENT_RATE))
         for tensor in free.tensors():
-            tensor.requires_grad_(any(tensor is one for group, _ in groups for one in group))
+            tensor.requires_grad_(tensor.numel() > 0 and any(tensor is one for group, _ in groups for one in group))
         options = [{"params": group, "lr": rate, "rate": rate} for group, rate in groups if group[0].numel()]
         return torch.optim.Adam(options, fused=True)
 

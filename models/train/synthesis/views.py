@@ -50,7 +50,7 @@ def view_of(
     """
     rgba = capture.read(shot)
     # without a mask, what is behind belongs to the picture
-    ground = capture.background if background is None or rgba[..., 3].min() == 255 else background
+    ground = capture.ground(shot) if background is None or rgba[..., 3].min() == 255 else background
     return views_of([rgba], [shot.camera], ground, device)[0]
 
 

@@ -97,6 +97,7 @@ def test_a_single_frame_gives_an_avatar_that_nothing_drives_which_is_said(
         (("lam", "-o", "a.gem", "--maps", "9999"), ExitCode.USAGE, "--maps: does nothing for a LAM avatar"),
         (("plys", "-o", "a.gem"), ExitCode.USAGE, "--frames: does nothing for PLY files"),
         (("nobody", "-o", "a.gem"), ExitCode.INPUT, "there is no PLY file; give a folder"),
+        (("begun", "-o", "a.gem"), ExitCode.INPUT, "begun: is an unfinished capture, without transforms_train.json"),
         (("lam.zip", "-o", "a.gem"), ExitCode.USAGE, "unpack a .zip first"),
         ((".", "-o", "a.gem"), ExitCode.USAGE, "holds 2 avatars; give one"),
         (
@@ -124,6 +125,8 @@ def test_what_cannot_be_done_is_one_line(
     (tmp_path / "far" / "down").mkdir(parents=True)
     lam.write(tmp_path / "far" / "down" / "lam")
     (tmp_path / "plys").mkdir()
+    (tmp_path / "begun" / "images").mkdir(parents=True)
+    (tmp_path / "begun" / "template.npz").touch()
     (tmp_path / "steers.ply").write_text("ply\nformat \x1b]0;pwned\x07\x1b[2J 1.0\nelement vertex 1\nend_header\n")
     monkeypatch.chdir(tmp_path)
     frames = () if words[0] == "steers.ply" else ("--frames", "150")

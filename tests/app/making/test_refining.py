@@ -1,5 +1,7 @@
 """`distill`, `refine` and `fit` on a capture: files in, files out, and what is said."""
 
+import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import read_image
+from gemheads.app.library import find_avatar
 from gemheads.app.performing.tracks import load_track
 from gemheads.models.captures.reader import open_capture
 from gemheads.models.gemfile import load_gem
@@ -111,12 +114,31 @@ def test_a_capture_is_fitted_into_a_track(
     assert read_image(errors).shape == (3 * 64, 3 * 64, 3)
 
 
+@pytest.mark.parametrize("command", ["fit", "refine"])
+def test_cameras_that_look_elsewhere_are_told(
+    toy_capture: Path, bare: tuple[Path, Path], tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a capture whose cameras look along +z, as OpenCV's do."""
+    words = {"fit": ("--cameras", "1,2"), "refine": ("--no-perceptual", "--iterations", "10")}[command]
+    other = shutil.copytree(toy_capture, tmp_path / "other")
+    for path in other.glob("transforms_*.json"):
+        tree = json.loads(path.read_text())
+        for frame in tree["frames"]:
+            frame["transform_matrix"] = (frame["transform_matrix"] @ np.diag([1, -1, -1, 1])).tolist()
+        path.write_text(json.dumps(tree))
+    for folder, told in ((toy_capture, 0), (other, 1)):
+        assert main([command, str(bare[0]), str(folder), "-o", str(tmp_path / "x.gem"), *words]) == ExitCode.OK
+        assert capsys.readouterr().err.count(f"does not look like the pictures of {folder}") == told
+
+
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
         (("refine", "{avatar}", "{toy}", "--iterations", "1"), ExitCode.USAGE, "--iterations 1: choose from 10"),
         (("refine", "{avatar}", "{toy}", "--seed", "-1"), ExitCode.USAGE, "--seed: -1: choose from 0"),
         (("refine", "{avatar}", "{toy}", "-o", "x.ply"), ExitCode.USAGE, "is called .gem"),
+        (("refine", "mara", "{toy}"), ExitCode.USAGE, "mara.gem: ships with gemheads and stays as it is; give -o"),
+        (("refine", "{taught}", "{toy}"), ExitCode.USAGE, "has a regressor, which knows the old bases and would be"),
         (("refine", "{avatar}", "nowhere"), ExitCode.INPUT, "nowhere: is no folder"),
         (("refine", "{tiny}", "{toy}", "--start", "{moments}"), ExitCode.INPUT, "made for another avatar ('toy')"),
         (("fit", "{avatar}", "{toy}", "-o", "x", "--split", "all"), ExitCode.USAGE, "choose from train, val, test"),
@@ -138,7 +160,9 @@ def test_what_cannot_be_done_is_one_line(
     said: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    places = {"avatar": bare[0], "toy": toy_capture, "tiny": tiny, "moments": bare[1]}
+    taught = tmp_path / "taught.gem"
+    taught.write_bytes(find_avatar("mara").read_bytes())
+    places = {"avatar": bare[0], "toy": toy_capture, "tiny": tiny, "moments": bare[1], "taught": taught}
     # else notes say what is missing, before anything else
     stated = ("--licence", "CC0-1.0", "--consent", "no person")
     more = {"refine": ("--no-perceptual",), "distill": stated}.get(words[0], ())

@@ -24,6 +24,8 @@ from refusals import refused
         (("--seed", "-1"), "--seed: -1: choose from 0"),
         (("--jobs", "0"), "--jobs 0: choose from 1 to 256"),
         (("--turns-only", "--rehearse-with", "theo"), "--rehearse-with has no effect with --turns-only"),
+        ((), "mara.gem: ships with gemheads and stays as it is; give -o, such as -o my-mara.gem"),
+        (("--take-over", "theo"), "ships with gemheads"),
         (("--turns-only", "--take-over", "theo"), "--take-over trains nothing"),
         (("--pictures", "40", "--take-over", "theo"), "--take-over trains nothing"),
         (("--seed", "0", "--take-over", "theo"), "--take-over trains nothing"),

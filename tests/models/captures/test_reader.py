@@ -126,6 +126,39 @@ def test_soft_edges_lose_the_background(folder: Path) -> None:
     assert np.abs(rgba[:, 8:, :3] - own).max() <= 3
 
 
+def test_a_mask_is_alpha_or_a_shade_but_no_colour(folder: Path) -> None:
+    capture = open_capture(folder)
+    shot = capture.train[0]
+    assert shot.mask is not None
+    shade = np.tile(np.arange(0, 200, 10, dtype=np.uint8), (14, 1))
+    opaque, half = np.full((14, 20), 255, np.uint8), np.full((14, 20), 128, np.uint8)
+    for channels, wanted in (([shade] * 3 + [opaque], shade), ([opaque] * 3 + [shade], shade), ([shade] * 3, shade)):
+        shot.mask.write_bytes(png_bytes(np.dstack(channels)))
+        np.testing.assert_array_equal(capture.read(shot)[..., 3], wanted)
+    for channels in ([shade, half, half, opaque], [opaque, shade, opaque]):
+        shot.mask.write_bytes(png_bytes(np.dstack(channels)))
+        with pytest.raises(CaptureError, match=r"00000_00.png: has colours, which no mask has"):
+            capture.read(shot)
+
+
+def test_every_split_has_the_background_that_it_states(folder: Path) -> None:
+    path = folder / "transforms_test.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"background": [0, 0, 0]}))
+    capture = open_capture(folder)
+    assert [capture.ground(shots[0]) for shots in (capture.train, capture.val, capture.test)] == [
+        (1, 1, 1),
+        (1, 1, 1),
+        (0, 0, 0),
+    ]
+    over_black, alpha = np.full((14, 20, 3), 100, np.uint8), np.full((14, 20), 128, np.uint8)
+    CaptureWriter(folder).write_picture(capture.test[0], over_black, alpha)
+    np.testing.assert_array_equal(capture.read(capture.test[0])[..., :3], 199)
+    np.testing.assert_array_equal(capture.over_background(capture.test[0]), 100)
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"background": [0, 0]}))
+    with pytest.raises(CaptureError, match=r"transforms_test.json: has background \[0, 0\]"):
+        open_capture(folder)
+
+
 def test_without_a_stated_pose_it_is_estimated(folder: Path) -> None:
     template = sheet()
     for path in (folder / "meshes").iterdir():
@@ -144,6 +177,16 @@ def test_an_estimate_heeds_most_of_the_head() -> None:
     rotation, translation = estimated(moved, template, weights, pivot)
     np.testing.assert_allclose(rotation, TURN, atol=1e-4)
     np.testing.assert_allclose(translation, MOVE, atol=1e-4)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_half_a_turn_is_no_rest(axis: int) -> None:
+    template = RNG.normal(0, 0.05, (40, 3))
+    turn = np.pi * np.eye(3)[axis]
+    moved = posed(template, np.ones(40), np.zeros(3), turn, MOVE)
+    rotation, translation = estimated(moved, template, np.ones(40), np.zeros(3))
+    assert np.linalg.norm(rotation) == pytest.approx(np.pi, abs=1e-5)
+    np.testing.assert_allclose(unposed(moved, np.ones(40), np.zeros(3), rotation, translation), template, atol=1e-6)
 
 
 def test_a_pose_is_taken_out_exactly() -> None:
@@ -208,11 +251,15 @@ def _deep(folder: Path) -> None:
     cv2.imwrite(str(folder / "images" / "00003_01.png"), np.zeros((14, 20, 3), np.uint16))
 
 
-def _taught(folder: Path) -> None:
-    """A picture that was learned from stands among those that judge."""
-    train, val = (json.loads((folder / f"transforms_{split}.json").read_text()) for split in ("train", "val"))
-    val["frames"].append(train["frames"][2])
-    (folder / "transforms_val.json").write_text(json.dumps(val))
+def _known(split: str, other: str, *taken: int, **change: Any) -> Callable[[Path], None]:
+    """Frames of one split stand in another one, too, perhaps as of another camera."""
+
+    def spoil(folder: Path) -> None:
+        here, there = (json.loads((folder / f"transforms_{name}.json").read_text()) for name in (split, other))
+        there["frames"] += [here["frames"][index] | change for index in taken]
+        (folder / f"transforms_{other}.json").write_text(json.dumps(there))
+
+    return spoil
 
 
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
@@ -231,8 +278,20 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
     "torn PNG": (_torn(".png"), "images/00003_01.png: breaks off before its end"),
     "torn JPEG": (_torn(".jpg"), "images/00003_01.png: breaks off before its end"),
     "16 bits": (_deep, "images/00003_01.png: has 16 bits a channel"),
-    "judged by what it taught": (_taught, "transforms_val.json: 00002_00.png is in transforms_train.json too"),
+    "judged by what it taught": (
+        _known("train", "val", 2),
+        "transforms_val.json: 00002_00.png is in transforms_train.json too, and would judge what it taught",
+    ),
+    "judged twice": (
+        _known("test", "val", 1),
+        "transforms_test.json: 00003_01.png is in transforms_val.json too, and would count twice",
+    ),
+    "an expression that was taught": (
+        _known("train", "test", 0, file_path="images/00003_01.png", camera_index=5),
+        "transforms_test.json: timestep 0 is in transforms_train.json too, so its expression is not held out",
+    ),
     "bent lens": (_frame({"k1": -0.4, "p2": 0.01, "camera_model": "OPENCV"}), r"lens bends lines \(k1, p2\)"),
+    "lens of no number": (_frame({"k1": "0.0"}), r"frame 1 \(00001_00.png\): k1 is '0.0', which is no number"),
     "fisheye": (_top(camera_model="OPENCV_FISHEYE"), r"lens bends lines \(OPENCV_FISHEYE\)"),
     "no picture": (_text("images/00000_00.png", "hello"), "images/00000_00.png: is neither PNG nor JPEG"),
     "no intrinsics": (_frame({"fl_x": None, "cy": None}), r"frame 1 \(00001_00.png\) has a camera without fl_x, cy"),
@@ -270,6 +329,15 @@ FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {
         lambda f: (f / "meshes/00003.npz").write_bytes((f / "meshes/00003.npz").read_bytes()[:200]) and None,
         "meshes/00003.npz: cannot be read",
     ),
+    "other axes": (
+        _arrays("meshes/00001.npz", vertices=sheet().vertices * np.array([-1, 1, -1]), rotation=None, translation=None),
+        "meshes/00001.npz: lies 0.[0-9]+ m off the template",
+    ),
+    "other origin": (
+        _arrays("meshes/00002.npz", vertices=sheet().vertices + np.array([0, 1.2, 0]), rotation=None, translation=None),
+        "meshes/00002.npz: lies .* axes, about its origin",
+    ),
+    "millimetres": (_arrays("meshes/00003.npz", vertices=1000 * sheet().vertices), "meshes/00003.npz: lies .* metres"),
     "missing mesh": (lambda f: (f / "meshes/00000.npz").unlink(), "meshes/00000.npz: is missing"),
     "no uv": (_arrays("template.npz", uv=None), "template.npz: has no uv"),
     "triangle of nothing": (
@@ -297,6 +365,11 @@ def test_each_fault_is_named_with_its_file(folder: Path, fault: str) -> None:
 def test_a_file_of_no_capture_is_said(tmp_path: Path) -> None:
     with pytest.raises(CaptureError, match="is no folder"):
         open_capture(tmp_path / "nothing")
+
+
+def test_a_lens_without_distortion_may_say_so(folder: Path) -> None:
+    _top(k1=None, k2=0, p1=0.0, camera_model="OPENCV")(folder)
+    assert len(open_capture(folder).train) == 3
 
 
 def test_intrinsics_may_stand_once(folder: Path) -> None:

@@ -58,6 +58,17 @@ def masked(capture: Path, to: Path, change: Callable[[np.ndarray], np.ndarray]) 
     return open_capture(folder)
 
 
+def test_meshes_without_weights_are_named(toy_capture: Path, tmp_path: Path) -> None:
+    folder, moments = shutil.copytree(toy_capture, tmp_path / "toy"), range(6)
+    for lacking, said in (((3,), "00003.npz has no"), ((3, 5), "00003.npz and 1 more have no"), (moments, "it has no")):
+        for moment in lacking:
+            path = folder / "meshes" / f"{moment:05d}.npz"
+            np.savez(path, **{name: values for name, values in np.load(path).items() if name != "arkit"})
+        source = capture_source(open_capture(folder), 16)
+        assert source.performance is None
+        assert source.notes[0].startswith(f"{said} ARKit weights")
+
+
 def test_soft_mattes_show_the_person_too(toy_capture: Path, tmp_path: Path) -> None:
     capture = masked(toy_capture, tmp_path / "soft", lambda mask: np.minimum(mask, 254))
     texels = texels_of(capture.template, 24)

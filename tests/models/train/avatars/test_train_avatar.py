@@ -117,6 +117,19 @@ def test_a_run_finds_its_capture_where_it_was_moved_to(capture: Capture, trained
     assert open_run(run).capture.folder == moved.resolve()
 
 
+def test_meshes_that_were_tracked_again_are_another_capture(capture: Capture, trained: Path, tmp_path: Path) -> None:
+    shutil.copytree(capture.folder, tmp_path / "again")
+    mesh = tmp_path / "again" / "meshes" / "00001.npz"
+    size, arrays = mesh.stat().st_size, dict(np.load(mesh))
+    np.savez(mesh, **{**arrays, "vertices": arrays["vertices"] + np.float32(0.001)})
+    assert mesh.stat().st_size == size
+    shutil.copytree(trained, tmp_path / "run")
+    with pytest.raises(RunError, match="give that capture to go on"):
+        train_avatar(open_capture(tmp_path / "again"), tmp_path / "run", BRIEF, Perceptual(TINY))
+    with pytest.raises(RunError, match="learned of another capture"):
+        open_run(tmp_path / "run", tmp_path / "again")
+
+
 @pytest.mark.parametrize("part", ["uv", "neck_pivot", "triangles"])
 def test_another_template_is_another_capture(capture: Capture, trained: Path, part: str) -> None:
     changed = replace(capture.template, **{part: getattr(capture.template, part)[::-1].copy()})

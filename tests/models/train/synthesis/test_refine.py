@@ -95,6 +95,15 @@ def test_what_is_finished_is_like_what_is_distilled(toy: Toy) -> None:
         np.testing.assert_allclose(finished.compose(found[index]).positions, positions, atol=1e-5)
 
 
+def test_an_avatar_of_a_single_moment_is_refined_without_a_warning(toy: Toy) -> None:
+    capture, gem, moments = toy
+    still = gem.truncated(0)
+    answer = refine(still, capture, {2: replace(moments[2], coefficients=still.rest_coefficients)}, RefineEffort(20))
+    assert answer.after > answer.before
+    assert answer.gem.coefficient_count == 0
+    assert np.isfinite(answer.gem.bases["position"].mean).all()
+
+
 def test_rest_and_arkit_map_go_along(toy: Toy) -> None:
     _, gem, moments = toy
     assert gem.arkit_weights is not None
