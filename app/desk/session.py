@@ -205,11 +205,13 @@ class Session:
             self.remote.close()
 
     def _quality(self) -> Quality:
-        """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is."""
+        """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is; and
+        what is explored is seen."""
         transport, exploring = self.driving.transport, self.state.exploring
         still = self.state.frozen or (transport is not None and not transport.playing)
         whole = (still and not (exploring.on and exploring.sweep)) or self._saving
-        return Quality(self._components) if whole else self.gauges.quality(self._components)
+        quality = Quality(self._components) if whole else self.gauges.quality(self._components)
+        return replace(quality, components=max(quality.components, self.state.explored_components))
 
     @property
     def _components(self) -> int:
@@ -260,5 +262,6 @@ class Session:
 
 def limits_of(avatar: Avatar) -> Limits:
     """What an avatar allows."""
-    viewing = avatar.gem.viewing
-    return Limits(avatar.gem.components, viewing.yaw_limit_deg, viewing.pitch_limit_deg)
+    gem, viewing = avatar.gem, avatar.gem.viewing
+    stored = {name: len(basis) for name, basis in gem.bases.items()}
+    return Limits(gem.components, viewing.yaw_limit_deg, viewing.pitch_limit_deg, stored)

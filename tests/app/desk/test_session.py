@@ -116,6 +116,22 @@ def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
     np.testing.assert_array_equal(again, whole)
 
 
+def test_what_is_explored_is_seen_however_few_components_are_drawn(
+    room: Room, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin(room)
+    session = room.session
+    monkeypatch.setattr(session.gauges, "quality", lambda components: Quality(min(components, 2)))
+    for order in (Order("components", 1.0), Order("explored_component", 4.0), Order("explore")):
+        session.obey(order)
+    still = turn(session)
+    session.obey(Order("sigma", 3.0))
+    moved = turn(session)
+    assert still is not None
+    assert moved is not None
+    assert (moved != still).any()
+
+
 def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_the_curtain(room: Room) -> None:
     begin(room)
     spy = Keeper()
