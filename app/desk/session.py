@@ -9,7 +9,7 @@ from ...models.brevity import brief
 from ...render.engines import Engine
 from ..inputs.opening import plain_path
 from ..performing.casting import Avatar
-from ..performing.ladder import Quality
+from ..performing.ladder import Quality, said
 from .actions import Order
 from .driving import Driving
 from .explore import sweep
@@ -122,7 +122,7 @@ class Session:
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
         every = REPEAT_SECS if self.outputs.fan.listening or self._saving else float("inf")
-        self.stage.draw(self.state, self._quality(), shot, now, every)
+        self.stage.draw(self.state, self._quality(self._still or self._saving), shot, now, every)
 
     def drawn(self) -> Drawn | None:
         """The picture that was begun, once, when it is done; nothing of the avatar where the curtain fell meanwhile."""
@@ -154,10 +154,12 @@ class Session:
         """All that the panels show."""
         self._toasts = [(until, toast) for until, toast in self._toasts if until > now]
         stage, driving = self.stage, self.driving
-        readings = self.gauges.read(driving.health, stage.engine, self._components, now)
-        if readings.lowered and readings.lowered != self._lowered:
-            self.tell(f"{readings.lowered} J switches this off.", topic="quality")
-        self._lowered = readings.lowered
+        wanted = Quality(self._components)
+        lowered = said(self.gauges.quality(self._components), wanted)
+        if lowered and lowered != self._lowered:
+            self.tell(f"{lowered} J switches this off.", topic="quality")
+        self._lowered = lowered
+        readings = self.gauges.read(driving.health, stage.engine, now)
         return DeskView(
             state=self.state,
             keymap=self.keymap,
@@ -169,7 +171,7 @@ class Session:
             shot=stage.shot,
             cameras=driving.cameras,
             transport=driving.transport,
-            readings=readings,
+            readings=replace(readings, lowered=said(self._quality(self._still), wanted)),
             curve=stage.curve,
             rest=driving.neutral.told(),
             outputs=self.outputs.lines(),
@@ -204,12 +206,16 @@ class Session:
         if self.remote is not None:
             self.remote.close()
 
-    def _quality(self) -> Quality:
+    @property
+    def _still(self) -> bool:
+        """Whether nothing moves."""
+        transport, exploring = self.driving.transport, self.state.exploring
+        paused = self.state.frozen or (transport is not None and not transport.playing)
+        return paused and not (exploring.on and exploring.sweep)
+
+    def _quality(self, whole: bool) -> Quality:
         """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is; and
         what is explored is seen."""
-        transport, exploring = self.driving.transport, self.state.exploring
-        still = self.state.frozen or (transport is not None and not transport.playing)
-        whole = (still and not (exploring.on and exploring.sweep)) or self._saving
         quality = Quality(self._components) if whole else self.gauges.quality(self._components)
         return replace(quality, components=max(quality.components, self.state.explored_components))
 

@@ -305,12 +305,15 @@ def test_what_stands_still_and_what_is_saved_is_drawn_whole_however_slow_the_mac
     session.obey(Order("picture"))
     assert drawn() == 96
     assert drawn() == 48
+    assert session.view(0.0).readings.lowered
     session.obey(Order("play", 0.0))
     assert until(session, lambda: True).shape[0] == 96  # it stands still
+    assert not session.view(0.0).readings.lowered, "what is drawn whole is said to be lowered"
     session.obey(Order("play", 1.0))
     assert drawn() == 48
     room.capture.transport = SimpleNamespace(playing=False, loop=True)
     assert drawn() == 96  # a video that is paused
+    assert not session.view(0.0).readings.lowered
 
 
 def test_what_is_saved_is_never_the_smaller_picture_that_was_under_way(
