@@ -11,6 +11,7 @@ import av
 
 from ...models.mediafile import decoded, duration_of, pixel_aspect_of, rate_of
 from ...models.videopicture import upright_rgb
+from ..errors import InputError
 from ..files.frames import Frame
 from ..files.video import WITHOUT_PTS, open_container, video_stream
 from .source import Kind, SourceLost, TimedFrame
@@ -21,6 +22,7 @@ MOST_AT_ONCE = 8
 LONGEST_SECS = 24 * 3600.0
 """Stands for a duration that the file does not tell."""
 _EARLY_SECS = 1e-4
+_WHEN_WHOLE = "Open it again when it is whole."
 _FURTHER_SECS = 1.0
 """So much further back a file is sent that was sent back and came out behind; twice as far each time."""
 
@@ -52,6 +54,8 @@ class VideoPlayer:
         except av.error.FFmpegError as error:
             message = f"{self.name} cannot be read any further ({error.strerror})."
             raise SourceLost(message, "Check that the disk is still there, and open the file again.", False) from error
+        except InputError as error:  # it was opened anew, and is no longer what it was
+            raise SourceLost(f"{error}.", _WHEN_WHOLE, False) from error
 
     def close(self) -> None:
         """Let go of the file."""
@@ -92,15 +96,17 @@ class VideoPlayer:
             self.transport.slip(self._last_secs)
         return self._frame(chosen) if chosen else None
 
-    def _at(self, position: float) -> Frame | None:
+    def _at(self, position: float) -> Frame:
         """The frame that is shown at a position gone to, where times are rounded to the file's ticks; decoded from the
-        key frame before it."""
+        key frame before it. Raises SourceLost where there is none any more."""
         self._go_before(position)
         found = None
         latest = self._latest(position)
         while (ahead := self._peek()) is not None and (found is None or ahead[0] <= latest):
             found = self._take(ahead)
-        return self._frame(found) if found else None
+        if found is None:  # not even after it was opened anew
+            raise SourceLost(f"{self.name} holds no picture that can be read.", _WHEN_WHOLE, False)
+        return self._frame(found)
 
     def _go_before(self, position: float) -> None:
         """Goes on decoding at or before a position.

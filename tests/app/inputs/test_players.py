@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gemheads.app.errors import InputError
 from gemheads.app.inputs.pictures import open_pictures
-from gemheads.app.inputs.source import LiveSource, PoseFrame, WeightsFrame
+from gemheads.app.inputs.source import LiveSource, PoseFrame, SourceLost, WeightsFrame
 from gemheads.app.inputs.trackplayer import open_performance, open_track
 from gemheads.app.inputs.videoplayer import MOST_AT_ONCE, VideoPlayer
 from gemheads.app.performing.performance import Pose
@@ -164,6 +164,31 @@ def test_what_is_late_is_passed_over_and_the_clock_slips_when_it_is_hopeless(mak
     assert frame is not None
     assert frame.seconds == pytest.approx(0.1 + MOST_AT_ONCE / 29.97, abs=0.002)
     assert video.transport.position == pytest.approx(frame.seconds)
+
+
+@pytest.mark.parametrize(("kept", "told"), [(0, "empty"), (None, "holds no picture")], ids=["emptied", "scrambled"])
+def test_a_video_that_is_written_over_while_it_plays_is_lost_and_freezes_nothing(
+    tmp_path: Path, clock: Clock, kept: int | None, told: str
+) -> None:
+    """Longer than what is read ahead of it; its index is whole where all but its beginning is scrambled."""
+    path, random = tmp_path / "clip.mp4", np.random.default_rng(0)
+    with av.open(str(path), "w", options={"movflags": "faststart"}) as container:
+        stream = container.add_stream("libx264", rate=25, options={"preset": "ultrafast"})
+        stream.width, stream.height, stream.pix_fmt = 160, 120, "yuv420p"
+        for _ in range(25):
+            picture = random.integers(0, 255, (120, 160, 3), np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, "rgb24")))
+        container.mux(stream.encode())
+    video, size = VideoPlayer(path, clock), path.stat().st_size
+    assert len(watch(video, clock, 0.5)) > 10
+    with path.open("r+b") as file:
+        if kept is None:
+            file.seek(4000)
+            file.write(random.bytes(size - 4000))
+        else:
+            file.truncate(kept)
+    with pytest.raises(SourceLost, match=told):
+        watch(video, clock, 3.0)
 
 
 def test_what_is_no_video_is_refused(tmp_path: Path) -> None:
