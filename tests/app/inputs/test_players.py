@@ -90,14 +90,7 @@ def test_a_video_pauses_steps_and_seeks_exactly(make_clip: Clip, clock: Clock) -
 def test_every_frame_is_found_again_whatever_holds_it(tmp_path: Path, clock: Clock, suffix: str) -> None:
     """All in one group of pictures that are not stored as they are shown: transport streams are sent before its
     beginning and come out behind it, AVI tells only when pictures are decoded."""
-    path = tmp_path / f"clip{suffix}"
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        for grey in range(0, 240, 8):
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
-        container.mux(stream.encode())
-    video = VideoPlayer(path, clock)
+    video = VideoPlayer(grey_clip(tmp_path / f"clip{suffix}"), clock)
     rounds = [number for number, _ in seen_numbers(video, clock, 2.5)]
     assert rounds[:60] == 2 * list(range(30))
     video.transport.pause()
@@ -105,6 +98,31 @@ def test_every_frame_is_found_again_whatever_holds_it(tmp_path: Path, clock: Clo
         video.transport.seek((number + 0.01) / 25)
         ((shown, _),) = seen_numbers(video, clock, 0.1)
         assert shown == number
+
+
+def test_how_long_a_video_is_that_does_not_tell_is_learnt_at_its_end(tmp_path: Path, clock: Clock) -> None:
+    path = grey_clip(tmp_path / "clip.h264")
+    played, sought = VideoPlayer(path, clock), VideoPlayer(path, clock)
+    watch(played, clock, 0.9)
+    assert played.transport.duration == float("inf")
+    watch(played, clock, 0.5)
+    assert (played.transport.duration, played.transport.playing) == (pytest.approx(1.2), True)
+    sought.transport.pause()
+    sought.transport.seek(1e6)
+    frame = sought.read(0)
+    assert frame is not None
+    assert (frame.seconds, sought.transport.position) == (pytest.approx(29 / 25), pytest.approx(1.2))
+
+
+def grey_clip(path: Path) -> Path:
+    """Thirty greys, 25 a second."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for grey in range(0, 240, 8):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
+        container.mux(stream.encode())
+    return path
 
 
 def seen_numbers(video: VideoPlayer, clock: Clock, secs: float) -> list[tuple[int, float]]:
