@@ -16,6 +16,7 @@ from ..library import avatars, find_avatar
 from ..live import run_live
 from .actions import Order
 from .keys import keymap
+from .loader import open_for_stage
 from .outputs import Outputs
 from .remote import Remote, read_listen
 from .roster import Roster
@@ -57,9 +58,14 @@ def live_command(
         CommandError: when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
     """
     driver = None if driver is None else plain_path(driver)
-    if driver is not None and not is_avatar(driver):
+    # what is asked for and cannot be is told before a window opens
+    if driver is not None and is_avatar(driver):
+        open_for_stage(Path(driver).expanduser())
+    elif driver is not None:
         check_input(driver)
-        open_input(driver)  # a port that is none is told before a window opens
+        open_input(driver)
+    if avatar is not None:
+        open_for_stage(find_avatar(avatar))
     file = settings_file()
     settings, complaint = load_settings(file)
     roster = opening_roster(avatar, settings.avatar)
@@ -86,6 +92,7 @@ def live_command(
         size,
         remote,
         warm=warmer(engine),
+        spare=find_avatar() if avatars() else None,
     )
     session.driving.camera = settings.camera
     if complaint:
@@ -96,11 +103,11 @@ def live_command(
         run_live(desk, session)
     finally:
         desk.hide()  # what ends in its own thread may take a moment longer
-        playing = session.stage.roster
         settings = remembered(session.state, settings)
-        named = str(playing.paths[playing.current]) if playing.paths else ""
         window = settings.window if session.state.full_screen else desk.size
-        settings = replace(settings, avatar=named, camera=session.driving.camera, window=window)
+        settings = replace(
+            settings, avatar=played(session, settings.avatar), camera=session.driving.camera, window=window
+        )
         session.close()
         desk.close()
         if trouble := save_settings(settings, file):
@@ -127,6 +134,12 @@ def opening_roster(wanted: str | None, before: str) -> Roster:
     if wanted is None and before and Path(before).is_file():
         return roster.staged(Path(before))
     return roster.staged(find_avatar(wanted))
+
+
+def played(session: Session, before: str) -> str:
+    """The file of the avatar on stage; that of the run before where none came there."""
+    roster = session.stage.roster
+    return before if session.stage.avatar is None else str(roster.paths[roster.current])
 
 
 def first_orders(driver: str | None, camera: str | None) -> tuple[Order, ...]:

@@ -50,6 +50,7 @@ class Session:
         remote: Remote | None = None,
         driving: Driving | None = None,
         warm: Callable[[], None] = lambda: None,
+        spare: Path | None = None,
     ) -> None:
         """
         Args:
@@ -62,6 +63,7 @@ class Session:
             remote: orders from other programs.
             driving: made here unless given.
             warm: compiles what ``engine`` needs, in another thread and before it is opened.
+            spare: the avatar to be opened where the first one is refused.
         """
         self.state, self.keymap, self.outputs, self.remote = state, keymap, outputs, remote
         self.gauges = Gauges()
@@ -71,6 +73,7 @@ class Session:
         self._shown_at, self._lowered = 0.0, ""
         self._ended: dict[str, str] = {}
         self._saving = False
+        self._spare = spare
         for complaint in keymap.conflicts:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
@@ -99,6 +102,9 @@ class Session:
         elif answer is not None and self.driving.cast(answer):
             self.outputs.introduce(answer)
             self.stage.await_shot(answer, now)
+        if answer is not None and self.stage.avatar is None and self.stage.coming is None:
+            self.stage.call(self._spare)
+            self._spare = None
         for order in self.outputs.settle(self.state):
             self.obey(order)
         self._tell_of_outputs()

@@ -10,9 +10,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from gemheads.app.desk.actions import Order
+from gemheads.app.desk.command import played
+from gemheads.app.desk.driving import Driving
+from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.offscreen import DeskOffscreen
+from gemheads.app.desk.outputs import Outputs
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
+from gemheads.app.desk.roster import Roster
+from gemheads.app.desk.session import Session
+from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import Toast
 from gemheads.app.live import run_live
 from gemheads.app.performing.ladder import Quality
@@ -24,7 +31,7 @@ from keepers import Keeper
 from osc import message
 from waiting import eventually, in_words
 
-from .conftest import Room
+from .conftest import FakeCapture, Room
 from .rounds import begin, turn, until
 
 
@@ -96,6 +103,35 @@ def test_a_broken_file_is_refused_with_its_reason_and_the_old_avatar_stays(
         assert turn(room.session) is not None
 
 
+@pytest.mark.parametrize("spare", ["anna.gem", "broken.gem"])
+def test_where_the_first_avatar_is_refused_the_spare_one_comes_and_why_is_told(
+    avatars: tuple[Path, ...], spare: str
+) -> None:
+    folder = avatars[0].parent
+    session = Session(
+        *(
+            DeskState(),
+            Roster((folder / "broken.gem",)),
+            keymap(),
+            SoftwareEngine,
+            Outputs((96, 96), 30, Path),
+            (96, 96),
+        ),
+        driving=Driving(lambda words, alarm: session.tell(words, alarm), FakeCapture),
+        spare=folder / spare,
+    )
+    assert played(session, "before.gem") == "before.gem"
+    eventually(lambda: session.settle(time.perf_counter()) or session.view(time.perf_counter()).toasts)
+    assert "broken.gem" in session.view(time.perf_counter()).toasts[0].text
+    if spare == "anna.gem":
+        until(session, lambda: session.stage.avatar is not None)
+        assert played(session, "before.gem") == str(folder / spare)
+    else:
+        eventually(lambda: session.settle(time.perf_counter()) or not session.stage.loading)
+        assert played(session, "before.gem") == "before.gem"
+    session.close()
+
+
 def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
     begin(room)
     room.capture.post(3.0)
@@ -116,9 +152,7 @@ def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
     np.testing.assert_array_equal(again, whole)
 
 
-def test_what_is_explored_is_seen_however_few_components_are_drawn(
-    room: Room, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_explored_is_seen_however_few_components_are_drawn(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
     begin(room)
     session = room.session
     monkeypatch.setattr(session.gauges, "quality", lambda components: Quality(min(components, 2)))
