@@ -68,7 +68,9 @@ class Loader:
 
 
 def open_for_stage(path: Path) -> Avatar:
-    """Open an avatar that is to be driven. Raises InputError for a file that is none, and for one that nothing drives."""
+    """Open an avatar that is to be driven. Raises InputError for a file that is none, and for a regressor that is
+    broken; one that no face can drive still plays its own tracks."""
     avatar = open_avatar(path)
-    expression_of(avatar, "learned" if avatar.gem.regressor is not None else "baseline")
+    if avatar.gem.regressor is not None:
+        expression_of(avatar, "learned")
     return avatar

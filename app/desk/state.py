@@ -234,7 +234,7 @@ def _is_colour(text: str) -> bool:
 
 
 def _explored(state: DeskState, **changes: Any) -> DeskState:
-    """The state with these changes to what is explored, as far as the avatar stores it: of nothing there is no sweep."""
+    """The state with these changes to what is explored, as far as the avatar stores it: nothing cannot be swept."""
     wanted = replace(state.exploring, **changes)
     stored = state.limits.stored_of(wanted.modality)
     component, sweep = max(0, min(wanted.component, stored - 1)), wanted.sweep and stored > 0

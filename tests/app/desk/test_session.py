@@ -17,6 +17,7 @@ from gemheads.app.desk.offscreen import DeskOffscreen
 from gemheads.app.desk.outputs import Outputs
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
+from gemheads.app.desk.resting import NeutralTaking
 from gemheads.app.desk.roster import Roster
 from gemheads.app.desk.session import Session
 from gemheads.app.desk.state import DeskState
@@ -31,6 +32,7 @@ from keepers import Keeper
 from osc import message
 from waiting import eventually, in_words
 
+from ..scripted import avatar
 from .conftest import FakeCapture, Room
 from .rounds import begin, turn, until
 
@@ -375,6 +377,15 @@ def test_a_neutral_is_not_taken_of_two_sources(room: Room) -> None:
     room.session.obey(Order("demo"))
     turn(room.session)
     assert room.session.driving.neutral._session == RestSession(coaching=coach(None, 0.0))
+
+
+def test_an_avatar_that_no_face_drives_ends_the_taking_of_a_neutral_with_the_reason() -> None:
+    """As it does when it comes on stage meanwhile."""
+    taking = NeutralTaking()
+    taking._session = RestSession("collecting")
+    assert taking.advance(None, Health(), avatar(arkit=False), 1e6) is None
+    assert not taking.on
+    assert "has no regressor" in taking.told().result
 
 
 @pytest.mark.enable_socket
