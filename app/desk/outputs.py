@@ -8,6 +8,7 @@ from pathlib import Path
 from ..credentials.origin import origin_of
 from ..performing.casting import Avatar
 from ..senders.fan import Fan
+from ..senders.folder import made
 from ..senders.oscout import CoefficientsOut
 from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name
 from ..senders.snapshot import Snapshot
@@ -86,7 +87,5 @@ class Outputs:
             self.fan.start(label, CoefficientsOut)
 
     def _recording(self, transparent: bool, sound: bool) -> Recording:
-        folder = self._folder()
-        folder.mkdir(parents=True, exist_ok=True)
-        path = recording_name(folder, transparent, datetime.now())
+        path = recording_name(made(self._folder()), transparent, datetime.now())
         return open_recording(path, self._size, self._rate, transparent, sound)

@@ -269,6 +269,14 @@ def test_a_recording_and_a_picture_are_written_and_a_failed_output_switches_itse
     def refuse() -> Path:
         raise PermissionError("this disk is full")
 
+    (room.folder / "file").touch()
+    room.session.outputs._folder = lambda: room.folder / "file" / "videos"
+    room.session.obey(Order("record"))
+    room.capture.post(2.0)
+    until(room.session, lambda: not room.session.state.record)
+    said = [toast.text for toast in room.session.view(time.perf_counter()).toasts if toast.alarm]
+    assert f"see that {room.folder / 'file'} is a folder" in said[-1]
+    assert "Error" not in said[-1]
     room.session.outputs._folder = refuse
     room.session.obey(Order("record"))
     room.capture.post(1.0)  # the state is as it was by the time a picture is drawn: only a shot is news
