@@ -29,7 +29,7 @@ SHOW_EVERY = 1 / 30
 """Seconds after which panels are drawn again though the picture is the same."""
 REPEAT_SECS = 0.25
 """Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
-so do sound and the safety of a recording."""
+so do sound, the safety of a recording, and a clean window that was resized or closed."""
 TRANSPORT = ("play", "step", "seek")
 LADDER_OFF = "Quality stays as it is, however slow the machine."
 NO_FACE = "There is no picture to take a face at rest from: choose your camera, a video or pictures first."
@@ -127,7 +127,8 @@ class Session:
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
-        every = REPEAT_SECS if self.outputs.fan.listening or self._saving else float("inf")
+        seen = self.outputs.fan.listening or self._saving or self.state.clean_window
+        every = REPEAT_SECS if seen else float("inf")
         self.stage.draw(self.state, self._quality(self._still or self._saving), shot, now, every)
 
     def drawn(self) -> Drawn | None:

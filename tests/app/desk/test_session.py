@@ -191,6 +191,19 @@ def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_
     assert spy.kept[-1].avatar == ""
 
 
+def test_outputs_know_the_ground_before_a_transparent_one(room: Room) -> None:
+    begin(room)
+    spy = Keeper()
+    room.session.outputs.fan.start("spy", lambda: spy)
+    for background in ("white", "transparent"):
+        room.session.obey(Order("background", background))
+        shown = turn(room.session)
+    assert shown is not None
+    assert shown.shape[2] == 4
+    eventually(lambda: spy.kept and spy.kept[-1].picture.shape[2] == 4)
+    assert spy.kept[-1].marks.ground == (255, 255, 255)
+
+
 def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Room) -> None:
     begin(room)
     room.capture.post(3.0)
