@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from ..inputs.opening import check_input, open_input, plain_path
 from ..library import avatars, find_avatar
 from ..live import run_live
 from .actions import Order
+from .farewell import farewell
 from .keys import keymap
 from .loader import open_for_stage
 from .outputs import Outputs
@@ -99,20 +101,21 @@ def live_command(
         session.tell(complaint)
     for order in first_orders(driver, camera):
         session.obey(order)
-    try:
-        run_live(desk, session)
-    finally:
-        desk.hide()  # what ends in its own thread may take a moment longer
-        settings = remembered(session.state, settings)
-        window = settings.window if session.state.full_screen else desk.size
-        settings = replace(
-            settings, avatar=played(session, settings.avatar), camera=session.driving.camera, window=window
-        )
-        session.close()
-        desk.close()
-        if trouble := save_settings(settings, file):
-            print(trouble, file=sys.stderr)
-        await_files(outputs)
+    with farewell(desk.quit):  # until files are finished, too
+        try:
+            run_live(desk, session)
+        finally:
+            desk.hide()  # what ends in its own thread may take a moment longer
+            settings = remembered(session.state, settings)
+            window = settings.window if session.state.full_screen else desk.size
+            settings = replace(
+                settings, avatar=played(session, settings.avatar), camera=session.driving.camera, window=window
+            )
+            session.close()
+            desk.close()
+            if trouble := save_settings(settings, file):
+                _say(trouble)
+            await_files(outputs)
     return ExitCode.OK
 
 
@@ -120,9 +123,15 @@ def await_files(outputs: Outputs, secs: float = FINISH_SECS) -> None:
     """Let closed outputs finish and sign what they write, for ``secs`` at most; says so when that takes a moment."""
     if outputs.finished():
         return
-    print("The recording is being finished ...", file=sys.stderr)
+    _say("The recording is being finished ...")
     if not outputs.finished(secs):
-        print(f"It is not finished after {secs:.0f} s, so it stays as far as it is; check the disk.", file=sys.stderr)
+        _say(f"It is not finished after {secs:.0f} s, so it stays as far as it is; check the disk.")
+
+
+def _say(words: str) -> None:
+    """On stderr, which may be gone with its terminal."""
+    with suppress(OSError):
+        print(words, file=sys.stderr, flush=True)
 
 
 def opening_roster(wanted: str | None, before: str) -> Roster:
