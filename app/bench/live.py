@@ -14,6 +14,7 @@ from ...render.engines import open_engine
 from ..desk.driving import Driving
 from ..desk.keys import keymap
 from ..desk.layout import Layout, Panels
+from ..desk.loader import open_for_stage
 from ..desk.offscreen import DeskOffscreen
 from ..desk.outputs import Outputs
 from ..desk.panels.controls import Ask
@@ -23,6 +24,7 @@ from ..desk.session import Session
 from ..desk.state import DeskState
 from ..desk.view import DeskView
 from ..desk.window import TITLE, DeskWindow
+from ..errors import InputError
 from ..files.places import check_places
 from ..library import find_avatar
 from ..live import run_live
@@ -128,6 +130,9 @@ def run_live_bench(
     """
     path = find_avatar(avatar)
     check_places(json, read=[path])
+    gem = open_for_stage(path).gem  # a session would wait for ever for one that it refuses
+    if gem.regressor is None and gem.arkit_weights is None:
+        raise InputError(f"{path}: no face drives this avatar, so there is no latency to be measured; choose another")
     report = _measure(path, seconds, engine, components, size, warm_up)
     _print(report)
     if json is not None:

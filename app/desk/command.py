@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,9 @@ from ..inputs.opening import check_input, open_input, plain_path
 from ..library import avatars, find_avatar
 from ..live import run_live
 from .actions import Order
+from .farewell import farewell
 from .keys import keymap
+from .loader import open_for_stage
 from .outputs import Outputs
 from .remote import Remote, read_listen
 from .roster import Roster
@@ -57,9 +60,14 @@ def live_command(
         CommandError: when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
     """
     driver = None if driver is None else plain_path(driver)
-    if driver is not None and not is_avatar(driver):
+    # what is asked for and cannot be is told before a window opens
+    if driver is not None and is_avatar(driver):
+        open_for_stage(Path(driver).expanduser())
+    elif driver is not None:
         check_input(driver)
-        open_input(driver)  # a port that is none is told before a window opens
+        open_input(driver)
+    if avatar is not None:
+        open_for_stage(find_avatar(avatar))
     file = settings_file()
     settings, complaint = load_settings(file)
     roster = opening_roster(avatar, settings.avatar)
@@ -86,26 +94,28 @@ def live_command(
         size,
         remote,
         warm=warmer(engine),
+        spare=find_avatar() if avatars() else None,
     )
     session.driving.camera = settings.camera
     if complaint:
         session.tell(complaint)
     for order in first_orders(driver, camera):
         session.obey(order)
-    try:
-        run_live(desk, session)
-    finally:
-        desk.hide()  # what ends in its own thread may take a moment longer
-        playing = session.stage.roster
-        settings = remembered(session.state, settings)
-        named = str(playing.paths[playing.current]) if playing.paths else ""
-        window = settings.window if session.state.full_screen else desk.size
-        settings = replace(settings, avatar=named, camera=session.driving.camera, window=window)
-        session.close()
-        desk.close()
-        if trouble := save_settings(settings, file):
-            print(trouble, file=sys.stderr)
-        await_files(outputs)
+    with farewell(desk.quit):  # until files are finished, too
+        try:
+            run_live(desk, session)
+        finally:
+            desk.hide()  # what ends in its own thread may take a moment longer
+            settings = remembered(session.state, settings)
+            window = settings.window if session.state.full_screen else desk.size
+            settings = replace(
+                settings, avatar=played(session, settings.avatar), camera=session.driving.camera, window=window
+            )
+            session.close()
+            desk.close()
+            if trouble := save_settings(settings, file):
+                _say(trouble)
+            await_files(outputs)
     return ExitCode.OK
 
 
@@ -113,9 +123,15 @@ def await_files(outputs: Outputs, secs: float = FINISH_SECS) -> None:
     """Let closed outputs finish and sign what they write, for ``secs`` at most; says so when that takes a moment."""
     if outputs.finished():
         return
-    print("The recording is being finished ...", file=sys.stderr)
+    _say("The recording is being finished ...")
     if not outputs.finished(secs):
-        print(f"It is not finished after {secs:.0f} s, so it stays as far as it is; check the disk.", file=sys.stderr)
+        _say(f"It is not finished after {secs:.0f} s, so it stays as far as it is; check the disk.")
+
+
+def _say(words: str) -> None:
+    """On stderr, which may be gone with its terminal."""
+    with suppress(OSError):
+        print(words, file=sys.stderr, flush=True)
 
 
 def opening_roster(wanted: str | None, before: str) -> Roster:
@@ -127,6 +143,12 @@ def opening_roster(wanted: str | None, before: str) -> Roster:
     if wanted is None and before and Path(before).is_file():
         return roster.staged(Path(before))
     return roster.staged(find_avatar(wanted))
+
+
+def played(session: Session, before: str) -> str:
+    """The file of the avatar on stage; that of the run before where none came there."""
+    roster = session.stage.roster
+    return before if session.stage.avatar is None else str(roster.paths[roster.current])
 
 
 def first_orders(driver: str | None, camera: str | None) -> tuple[Order, ...]:

@@ -67,7 +67,7 @@ class Driving:
         return self._neutral
 
     def cast(self, avatar: Avatar) -> bool:
-        """Drive this avatar from now on; False, said aloud, when nothing drives it."""
+        """Drive this avatar from now on; False, said aloud, when its regressor is broken."""
         try:
             if self._capture is None:
                 capture: Capture = self._make(avatar)

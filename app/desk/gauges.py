@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from ..performing.figures import Figures, Spread
-from ..performing.ladder import Ladder, Quality, quality, said, update
+from ..performing.ladder import Ladder, Quality, quality, update
 from ..performing.shots import Health, Shot
 from .view import Readings
 
@@ -59,7 +59,7 @@ class Gauges:
             self._ladder = update(self._ladder, 1e3 * worked, min(dt, LONGEST_DT), Quality(components))
         self._crawled = crawls
 
-    def read(self, health: Health, engine: str, components: int, now: float) -> Readings:
+    def read(self, health: Health, engine: str, now: float) -> Readings:
         """The figures, a few times a second brought up to date."""
         if now - self._read_at >= READ_EVERY:
             self._read_at, self._figures.drops = now, health.drops
@@ -72,6 +72,5 @@ class Gauges:
                 megabytes=figures.rss_mb,
                 engine=engine,
                 provider="tracked on the processor" if "track" in figures.stages else "",
-                lowered=said(self._ladder, Quality(components)),
             )
         return self._readings

@@ -58,11 +58,19 @@ class Loader:
 
     def _opened(self, path: Path) -> Avatar | Refused:
         try:
-            avatar = open_avatar(path)
-            expression_of(avatar, "learned" if avatar.gem.regressor is not None else "baseline")
+            avatar = open_for_stage(path)
             self._prepare(avatar)
         except CommandError as error:
             return Refused(path, str(error))
         except Exception as error:  # whatever a file does to its readers, the window goes on
             return Refused(path, f"{path}: cannot be opened ({type(error).__name__}: {error})")
         return avatar
+
+
+def open_for_stage(path: Path) -> Avatar:
+    """Open an avatar that is to be driven. Raises InputError for a file that is none, and for a regressor that is
+    broken; one that no face can drive still plays its own tracks."""
+    avatar = open_avatar(path)
+    if avatar.gem.regressor is not None:
+        expression_of(avatar, "learned")
+    return avatar

@@ -8,11 +8,13 @@ from pathlib import Path
 from ..credentials.origin import origin_of
 from ..performing.casting import Avatar
 from ..senders.fan import Fan
+from ..senders.folder import made
 from ..senders.oscout import CoefficientsOut
 from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name
 from ..senders.snapshot import Snapshot
 from ..senders.virtualcamera import open_virtual_camera
 from .actions import Order
+from .painter import ground
 from .state import DeskState
 from .view import OutputLine
 
@@ -33,6 +35,9 @@ class Outputs:
     def settle(self, state: DeskState) -> tuple[Order, ...]:
         """Turn on and off what the state wants; orders for switches whose output ended by itself."""
         self.fan.marks = replace(self.fan.marks, no_badge=state.no_badge, camera_badge=state.camera_badge)
+        if (colour := ground(state.background)) is not None:
+            red, green, blue = (round(255 * value) for value in colour)
+            self.fan.marks = replace(self.fan.marks, ground=(red, green, blue))
         ended = []
         for name, label in NAMES.items():
             if not getattr(state, name):
@@ -41,6 +46,7 @@ class Outputs:
             elif name not in self._started:
                 self._start(name, label, state)
             elif not self.fan.running(label):
+                self._started.discard(name)  # who turns it on again before the next round means it
                 ended.append(Order(name, 0.0))
         return tuple(ended)
 
@@ -86,7 +92,5 @@ class Outputs:
             self.fan.start(label, CoefficientsOut)
 
     def _recording(self, transparent: bool, sound: bool) -> Recording:
-        folder = self._folder()
-        folder.mkdir(parents=True, exist_ok=True)
-        path = recording_name(folder, transparent, datetime.now())
+        path = recording_name(made(self._folder()), transparent, datetime.now())
         return open_recording(path, self._size, self._rate, transparent, sound)

@@ -40,8 +40,12 @@ class NeutralTaking:
         self._session = step(self._session, observed, health.rate, now)
         if self._session.phase != "done":
             return None
-        resting = judge(self._session, avatar)
-        self._session = None
+        session, self._session = self._session, None
+        try:
+            resting = judge(session, avatar)
+        except CommandError as error:  # no face drives the avatar that came on stage meanwhile
+            self._said = Rest(result=_sentence(str(error)))
+            return None
         if resting is None:
             self._said = Rest(result=_sentence(TOO_FEW))
             return None

@@ -9,7 +9,7 @@ from ...models.brevity import brief
 from ...render.engines import Engine
 from ..inputs.opening import plain_path
 from ..performing.casting import Avatar
-from ..performing.ladder import Quality
+from ..performing.ladder import Quality, said
 from .actions import Order
 from .driving import Driving
 from .explore import sweep
@@ -29,7 +29,7 @@ SHOW_EVERY = 1 / 30
 """Seconds after which panels are drawn again though the picture is the same."""
 REPEAT_SECS = 0.25
 """Seconds after which outputs get a picture again though it is the same: programs that look in meanwhile want one, and
-so do sound and the safety of a recording."""
+so do sound, the safety of a recording, and a clean window that was resized or closed."""
 TRANSPORT = ("play", "step", "seek")
 LADDER_OFF = "Quality stays as it is, however slow the machine."
 NO_FACE = "There is no picture to take a face at rest from: choose your camera, a video or pictures first."
@@ -50,6 +50,7 @@ class Session:
         remote: Remote | None = None,
         driving: Driving | None = None,
         warm: Callable[[], None] = lambda: None,
+        spare: Path | None = None,
     ) -> None:
         """
         Args:
@@ -62,6 +63,7 @@ class Session:
             remote: orders from other programs.
             driving: made here unless given.
             warm: compiles what ``engine`` needs, in another thread and before it is opened.
+            spare: the avatar to be opened where the first one is refused.
         """
         self.state, self.keymap, self.outputs, self.remote = state, keymap, outputs, remote
         self.gauges = Gauges()
@@ -71,6 +73,7 @@ class Session:
         self._shown_at, self._lowered = 0.0, ""
         self._ended: dict[str, str] = {}
         self._saving = False
+        self._spare = spare
         for complaint in keymap.conflicts:
             self.tell(complaint)
         self.stage.call(roster.numbered(roster.current + 1))
@@ -99,6 +102,9 @@ class Session:
         elif answer is not None and self.driving.cast(answer):
             self.outputs.introduce(answer)
             self.stage.await_shot(answer, now)
+        if answer is not None and self.stage.avatar is None and self.stage.coming is None:
+            self.stage.call(self._spare)
+            self._spare = None
         for order in self.outputs.settle(self.state):
             self.obey(order)
         self._tell_of_outputs()
@@ -121,8 +127,9 @@ class Session:
         shot, changed = self.stage.take(self.driving.newest(), self.state.frozen, now)
         if changed and self.stage.avatar is not None:
             self.state = restaged(self.state, limits_of(self.stage.avatar))
-        every = REPEAT_SECS if self.outputs.fan.listening or self._saving else float("inf")
-        self.stage.draw(self.state, self._quality(), shot, now, every)
+        seen = self.outputs.fan.listening or self._saving or self.state.clean_window
+        every = REPEAT_SECS if seen else float("inf")
+        self.stage.draw(self.state, self._quality(self._still or self._saving), shot, now, every)
 
     def drawn(self) -> Drawn | None:
         """The picture that was begun, once, when it is done; nothing of the avatar where the curtain fell meanwhile."""
@@ -154,10 +161,12 @@ class Session:
         """All that the panels show."""
         self._toasts = [(until, toast) for until, toast in self._toasts if until > now]
         stage, driving = self.stage, self.driving
-        readings = self.gauges.read(driving.health, stage.engine, self._components, now)
-        if readings.lowered and readings.lowered != self._lowered:
-            self.tell(f"{readings.lowered} J switches this off.", topic="quality")
-        self._lowered = readings.lowered
+        wanted = Quality(self._components)
+        lowered = said(self.gauges.quality(self._components), wanted)
+        if lowered and lowered != self._lowered:
+            self.tell(f"{lowered} J switches this off.", topic="quality")
+        self._lowered = lowered
+        readings = self.gauges.read(driving.health, stage.engine, now)
         return DeskView(
             state=self.state,
             keymap=self.keymap,
@@ -169,7 +178,7 @@ class Session:
             shot=stage.shot,
             cameras=driving.cameras,
             transport=driving.transport,
-            readings=readings,
+            readings=replace(readings, lowered=said(self._quality(self._still), wanted)),
             curve=stage.curve,
             rest=driving.neutral.told(),
             outputs=self.outputs.lines(),
@@ -204,12 +213,18 @@ class Session:
         if self.remote is not None:
             self.remote.close()
 
-    def _quality(self) -> Quality:
-        """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is."""
+    @property
+    def _still(self) -> bool:
+        """Whether nothing moves."""
         transport, exploring = self.driving.transport, self.state.exploring
-        still = self.state.frozen or (transport is not None and not transport.playing)
-        whole = (still and not (exploring.on and exploring.sweep)) or self._saving
-        return Quality(self._components) if whole else self.gauges.quality(self._components)
+        paused = self.state.frozen or (transport is not None and not transport.playing)
+        return paused and not (exploring.on and exploring.sweep)
+
+    def _quality(self, whole: bool) -> Quality:
+        """What is drawn: all of it where nothing moves, and of what is to be saved, however slow the machine is; and
+        what is explored is seen."""
+        quality = Quality(self._components) if whole else self.gauges.quality(self._components)
+        return replace(quality, components=max(quality.components, self.state.explored_components))
 
     @property
     def _components(self) -> int:
@@ -260,5 +275,6 @@ class Session:
 
 def limits_of(avatar: Avatar) -> Limits:
     """What an avatar allows."""
-    viewing = avatar.gem.viewing
-    return Limits(avatar.gem.components, viewing.yaw_limit_deg, viewing.pitch_limit_deg)
+    gem, viewing = avatar.gem, avatar.gem.viewing
+    stored = {name: len(basis) for name, basis in gem.bases.items()}
+    return Limits(gem.components, viewing.yaw_limit_deg, viewing.pitch_limit_deg, stored)

@@ -6,7 +6,9 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from datetime import date, time
 from pathlib import Path
+from typing import Any
 
 from ...models.wholefile import open_ordinary, write_whole
 from .actions import Order
@@ -32,6 +34,7 @@ REMEMBERED = (
     "camera_badge",
 )
 """Fields of DeskState. Outputs are not among them: none goes on by itself."""
+_OWN = (*REMEMBERED, "avatar", "camera")
 
 
 @dataclass(frozen=True)
@@ -62,32 +65,56 @@ def load_settings(path: Path) -> tuple[Settings, str]:
     if not path.exists():
         return Settings(), ""
     try:
-        with open_ordinary(path) as (file, size):
-            if size > MAX_BYTES:
-                raise ValueError(f"{size} bytes are more than settings take")
-            return _checked(tomllib.loads(file.read(MAX_BYTES).decode())), ""
+        return _checked(_read(path)), ""
     except (OSError, ValueError, RecursionError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
         return Settings(), f"The settings could not be read ({error}); {_put_aside(path)}, and this run starts afresh."
 
 
 def save_settings(settings: Settings, path: Path) -> str:
-    """Write them whole; one sentence when that fails, else an empty one."""
+    """Write them whole; one sentence when that fails, else an empty one.
+
+    What a person wrote into the file meanwhile stays, all but comments: keys, and whatever is not known here.
+    """
+    written, complaint = _written(path)
     window = {} if settings.window is None else {"width": settings.window[0], "height": settings.window[1]}
+    kept = {name: value for name, value in written.get("desk", {}).items() if name not in _OWN}
+    own = {name: list(keys) for name, keys in settings.keys.items()}
     sections = {
-        "desk": {**settings.wishes, "avatar": settings.avatar, "camera": settings.camera},
-        "window": window,
-        "keys": {name: list(keys) for name, keys in settings.keys.items()},
+        **{name: value for name, value in written.items() if isinstance(value, dict)},
+        "desk": {**kept, **settings.wishes, "avatar": settings.avatar, "camera": settings.camera},
+        "window": {**written.get("window", {}), **window},
+        "keys": written.get("keys", {}) if written else own,
     }
     lines = ["# What `gemheads live` remembers. Delete this file to start afresh."]
+    lines += [f"{_key(name)} = {_toml(value)}" for name, value in written.items() if not isinstance(value, dict)]
     for section, values in sections.items():
         told = (f"{_key(name)} = {_toml(value)}" for name, value in sorted(values.items()) if _sayable(value))
-        lines += ["", f"[{section}]", *told]
+        lines += ["", f"[{_key(section)}]", *told]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, ["\n".join([*lines, ""]).encode()])
     except OSError as error:
         return f"The settings could not be kept: {path}: {error.strerror or error}."
-    return ""
+    return complaint
+
+
+def _written(path: Path) -> tuple[dict[str, Any], str]:
+    """What is in the file now, and one sentence where it cannot be read any more, and was put aside."""
+    try:
+        read = _read(path)
+        _checked(read)
+    except FileNotFoundError:
+        return {}, ""
+    except (OSError, ValueError, RecursionError) as error:
+        return {}, f"The settings file was changed and could not be read ({error}); {_put_aside(path)}."
+    return read, ""
+
+
+def _read(path: Path) -> dict[str, Any]:
+    with open_ordinary(path) as (file, size):
+        if size > MAX_BYTES:
+            raise ValueError(f"{size} bytes are more than settings take")
+        return tomllib.loads(file.read(MAX_BYTES).decode())
 
 
 def recalled(state: DeskState, settings: Settings) -> DeskState:
@@ -151,6 +178,10 @@ def _quoted(text: str) -> str:
 
 
 def _toml(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(name)} = {_toml(item)}" for name, item in value.items()) + "}"
+    if isinstance(value, date | time):  # a datetime is a date
+        return value.isoformat()
     if isinstance(value, list):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
     if isinstance(value, str):

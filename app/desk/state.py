@@ -1,7 +1,8 @@
 """What the window shows and how, as one value; ``update`` is the only way it changes. Pure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from ...models.gem import CLAMP_SIGMAS, MODALITIES
 from ..credentials.reasons import is_reason
@@ -24,6 +25,12 @@ class Limits:
     """K, as stored."""
     yaw_deg: float = 45.0
     pitch_deg: float = 25.0
+    stored: Mapping[str, int] = field(default_factory=dict)
+    """Modality -> components stored, where that is not K."""
+
+    def stored_of(self, modality: str) -> int:
+        """How many components of a modality there are to be explored."""
+        return self.stored.get(modality, self.components)
 
 
 @dataclass(frozen=True)
@@ -41,6 +48,11 @@ class Exploring:
     def value(self, modality: str, component: int) -> float:
         """Where a slider stands, in sigma."""
         return next((value for *place, value in self.sigmas if place == [modality, component]), 0.0)
+
+    @property
+    def reach(self) -> int:
+        """How many components a modality it takes to see what is moved; 0 while nothing is explored."""
+        return 1 + max(self.component, *(component for _, component, _ in self.sigmas), 0) if self.on else 0
 
 
 @dataclass(frozen=True)
@@ -122,6 +134,11 @@ class DeskState:
         """How many components a modality are shown."""
         return self.limits.components if self.components is None else min(self.components, self.limits.components)
 
+    @property
+    def explored_components(self) -> int:
+        """How many of them the explorer needs, however few are chosen, or left by a slow machine."""
+        return min(self.exploring.reach, self.limits.components)
+
 
 SWITCHES = frozenset(
     "compare curve loop head_pose mirror curtain record microphone virtual_camera camera_badge clean_window"
@@ -161,7 +178,7 @@ def update(state: DeskState, order: Order) -> DeskState:
 def restaged(state: DeskState, limits: Limits) -> DeskState:
     """The state when another avatar comes on stage: what the old one alone allowed is drawn in; of components as many
     are shown as it has, and when one with more is back, as many as were asked for."""
-    kept = replace(state, limits=limits, exploring=replace(state.exploring, sigmas=(), component=0))
+    kept = _explored(replace(state, limits=limits), sigmas=(), component=0)
     return _turned(_turned(kept, "yaw", kept.yaw), "pitch", kept.pitch)
 
 
@@ -216,24 +233,31 @@ def _is_colour(text: str) -> bool:
     return len(text) == 7 and text[0] == "#" and all(digit in "0123456789abcdef" for digit in text[1:])
 
 
+def _explored(state: DeskState, **changes: Any) -> DeskState:
+    """The state with these changes to what is explored, as far as the avatar stores it: nothing cannot be swept."""
+    wanted = replace(state.exploring, **changes)
+    stored = state.limits.stored_of(wanted.modality)
+    component, sweep = max(0, min(wanted.component, stored - 1)), wanted.sweep and stored > 0
+    return replace(state, exploring=replace(wanted, component=component, sweep=sweep))
+
+
 def _explore(state: DeskState, order: Order) -> DeskState:
     return replace(state, exploring=replace(state.exploring, on=_switched(state.exploring.on, order.value)))
 
 
 def _sweep(state: DeskState, order: Order) -> DeskState:
     on = _switched(state.exploring.sweep, order.value)
-    return replace(state, exploring=replace(state.exploring, on=on or state.exploring.on, sweep=on))
+    return _explored(state, on=on or state.exploring.on, sweep=on)
 
 
 def _explored_modality(state: DeskState, order: Order) -> DeskState:
     before = state.exploring.modality
     after = MODALITIES[(MODALITIES.index(before) + 1) % len(MODALITIES)] if order.value is None else order.value
-    return state if after not in MODALITIES else replace(state, exploring=replace(state.exploring, modality=after))
+    return state if after not in MODALITIES else _explored(state, modality=after)
 
 
 def _explored_component(state: DeskState, order: Order) -> DeskState:
-    component = round(_dialled(order, state.exploring.component, 0, state.limits.components - 1))
-    return replace(state, exploring=replace(state.exploring, component=component))
+    return _explored(state, component=round(_dialled(order, state.exploring.component, 0, BEYOND)))
 
 
 def _error_map(state: DeskState, order: Order) -> DeskState:
@@ -246,6 +270,8 @@ def _sigma(state: DeskState, order: Order) -> DeskState:
     exploring = state.exploring
     place = (exploring.modality, exploring.component)
     value = _dialled(order, exploring.value(*place), -CLAMP_SIGMAS, CLAMP_SIGMAS)
+    if not state.limits.stored_of(exploring.modality):
+        return _explored(state, on=True)
     others = tuple(slider for slider in exploring.sigmas if slider[:2] != place)
     sigmas = others if value == 0 else (*others, (*place, value))
     return replace(state, exploring=replace(exploring, on=True, sigmas=sigmas))

@@ -70,7 +70,7 @@ class Readings:
     provider: str = ""
     """What the networks run on."""
     lowered: str = ""
-    """What the quality ladder did, one sentence; empty at full quality."""
+    """What the quality ladder takes from the picture that is shown, one sentence; empty at full quality."""
 
 
 @dataclass(frozen=True)

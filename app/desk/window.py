@@ -1,6 +1,7 @@
 """The window on the screen: glfw's events become orders, a picture and the panels become a frame."""
 
 import ctypes
+import warnings
 from typing import Any
 
 from imgui_bundle import imgui  # isort: skip (first: it tells glfw which library both use)
@@ -50,7 +51,7 @@ class DeskWindow:
     def __init__(self, size: tuple[int, int] | None = None) -> None:
         """``size``: width and height in screen units, FIRST unless given. Raises contexts.NoOpenGLError where no window
         opens."""
-        self._window, self.context = window_context(*(size or FIRST), TITLE)
+        self._window, self.context = window_context(*within_screen(size or FIRST), TITLE)
         self.keymap: Keymap = keymap()
         self._orders: list[Order] = []
         self._walking = self._writing = False
@@ -90,10 +91,8 @@ class DeskWindow:
 
     def grow(self, factor: float) -> None:
         """Be so many times as large, as far as the screen goes."""
-        monitor = glfw.get_primary_monitor()
-        room = glfw.get_monitor_workarea(monitor)[2:] if monitor else self._size
-        size = [max(now, min(round(factor * now), most)) for now, most in zip(self._size, room, strict=True)]
-        glfw.set_window_size(self._window, *size)
+        width, height = within_screen((round(factor * self._size[0]), round(factor * self._size[1])))
+        glfw.set_window_size(self._window, max(self._size[0], width), max(self._size[1], height))
 
     @property
     def visible(self) -> bool:
@@ -156,6 +155,10 @@ class DeskWindow:
         """Files were dropped on the window."""
         self._orders += dropped(paths)
 
+    def quit(self) -> None:
+        """Ask to quit, as its close button does."""
+        self._orders.append(Order("quit"))
+
     def hide(self) -> None:
         """Take it off the screen."""
         glfw.hide_window(self._window)
@@ -198,7 +201,7 @@ class DeskWindow:
         self._minimised = bool(minimised)
 
     def _on_close(self, window: Any) -> None:
-        self._orders.append(Order("quit"))
+        self.quit()
 
     def _on_key(self, window: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
         """Keys that type no character, and those held with Ctrl or Alt; the others arrive in ``_on_character``."""
@@ -234,6 +237,17 @@ class DeskWindow:
         order = self.keymap.order(key, self._repeated)
         if order is not None:
             self._orders.append(order)
+
+
+def within_screen(size: tuple[int, int]) -> tuple[int, int]:
+    """As much of a width and height in screen units as the screen has room for; all of it where there is no screen."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # whoever opens a window there says what is wrong
+        monitor = glfw.get_primary_monitor() if glfw.init() else None
+    if not monitor:
+        return size
+    _, _, width, height = glfw.get_monitor_workarea(monitor)
+    return min(size[0], width), min(size[1], height)
 
 
 def _letter(key: int, scancode: int) -> str | None:

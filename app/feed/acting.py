@@ -2,13 +2,13 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.driver.answer import Answer, Express
+from ...models.driver.answer import Answer, Express, Floats
 from ...models.driver.face import FaceObservation
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.regressor import Regressor
@@ -47,7 +47,7 @@ class Acting:
     """For one thread. Its own time goes on with the source's while that is steady, else with the clock."""
 
     def __init__(self, avatar: Avatar, tracker: Tracker, clock: Callable[[], float] = time.perf_counter) -> None:
-        """Raises InputError when nothing drives this avatar."""
+        """Raises InputError when the avatar's regressor is broken, and nothing else drives it."""
         self._tracker, self._clock = tracker, clock
         self._avatar = avatar
         self._known: dict[str, Express] = {}
@@ -73,6 +73,12 @@ class Acting:
     def attention(self) -> Phase:
         """What the avatar is doing."""
         return self._memory.attention.phase
+
+    @property
+    def refusal(self) -> str:
+        """Why no face drives this avatar, which then only plays tracks and turns its head; empty where faces do."""
+        express = self._actor.express
+        return express.reason if isinstance(express, _Refusing) else ""
 
     @property
     def unusable(self) -> int:
@@ -101,7 +107,7 @@ class Acting:
         self._source_secs = None
 
     def cast(self, avatar: Avatar) -> None:
-        """Another avatar goes on. Raises InputError, and keeps the one before, when nothing drives this one."""
+        """Another avatar goes on. Raises InputError, and keeps the one before, as at first."""
         self._actor, self._avatar = self._dressed(avatar), avatar
         self._memory = replace(self._memory, expression=None, clamped=0.0)
 
@@ -214,7 +220,7 @@ class Acting:
         followed, now = memory.attention.phase is Phase.TRACKING, memory.seconds or 0.0
         if self._posed is not None and self._posed.avatar_sha256 == self._avatar.sha256:
             return self._exactly(self._posed, started)
-        if self._face is not None:
+        if self._face is not None and not self.refusal:
             gone_over = FOR_GOOD if exact else 0.0
             if self.settling.reason:  # this face was looked at before, and counts once
                 self.settling = go_over(self.settling, gone_over, self._tuning.neutral_strength)
@@ -227,14 +233,10 @@ class Acting:
         return self._shot(pose, started, now, stages={"express": self._clock() - started})
 
     def _dressed(self, avatar: Avatar) -> Actor:
-        """The actor for an avatar under the present tuning. Raises InputError when nothing drives it."""
+        """The actor for an avatar under the present tuning. Raises InputError as ``cast`` does."""
         express = self._known.get(avatar.sha256)
         if express is None:
-            try:
-                express = expression_of(avatar, "learned")
-            except InputError:
-                express = expression_of(avatar, "baseline")
-            self._known[avatar.sha256] = express
+            express = self._known[avatar.sha256] = _express_of(avatar)
         return actor_for(avatar, self._tracker, express, self._tuning, bool(HARD_TO_READ & set(self.hints.shown)))
 
     def _with_neutral(self) -> Actor:
@@ -309,6 +311,25 @@ class Acting:
         self._serial += 1
         ready, avatar = self._clock(), self._avatar.sha256
         return Shot(self._serial, pose, avatar, delivered, ready, source_secs, sketch, observed, stages or {})
+
+
+@dataclass(frozen=True)
+class _Refusing:
+    """In the place of what turns a face into expressions, where nothing does."""
+
+    reason: str
+
+    def __call__(self, features: Floats, rotation: Floats) -> Answer:
+        raise InputError(self.reason)
+
+
+def _express_of(avatar: Avatar) -> Express:
+    try:
+        return expression_of(avatar, "learned")
+    except InputError as error:
+        if avatar.gem.regressor is None and avatar.gem.arkit_weights is None:
+            return _Refusing(str(error))
+        return expression_of(avatar, "baseline")
 
 
 def _fresh(memory: Memory) -> Memory:

@@ -31,7 +31,7 @@ class Capture:
         tracker: Callable[[], Tracker] = FaceTracker,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """Starts the thread, without a source. Raises InputError when nothing drives this avatar."""
+        """Starts the thread, without a source. Raises InputError when the avatar's regressor is broken."""
         self._loop = Loop(avatar, tracker, clock)
         self._chosen = Health()
         self._closing = threading.Event()

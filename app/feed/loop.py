@@ -99,7 +99,7 @@ class Loop:
         self.serial = serial
 
     def cast(self, avatar: Avatar) -> None:
-        """Another avatar, at once in the pose of the moment; the one before stays when nothing drives it."""
+        """Another avatar, at once in the pose of the moment; the one before stays when its regressor is broken."""
         try:
             self.acting.cast(avatar)
         except CommandError as error:
@@ -198,6 +198,9 @@ class Loop:
 
     def _expressed(self, delivery: Delivery, now: float) -> Shot | None:
         if isinstance(delivery, Frame):
+            if self.acting.refusal:
+                self._trouble = (f"{self.acting.refusal}.", "Or play a track that was made for it.")
+                return None
             delivered = delivery.delivered if isinstance(delivery, TimedFrame) else now
             live = self.link is not None and self.link.source is not None and self.link.source.kind == "camera"
             rate = self._rate(now)

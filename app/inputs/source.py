@@ -99,7 +99,7 @@ class Transport(Protocol):
 
     @property
     def duration(self) -> float:
-        """Seconds, > 0."""
+        """Seconds, > 0; infinity while nobody knows."""
         ...
 
     def play(self) -> None:

@@ -9,12 +9,19 @@ class Playhead:
     """The position in something that lasts ``duration`` seconds. Every method returns at once, from any thread."""
 
     def __init__(
-        self, duration: float, frame_secs: float, loop: bool = True, clock: Callable[[], float] = time.perf_counter
+        self,
+        duration: float | None,
+        frame_secs: float,
+        loop: bool = True,
+        clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        """``frame_secs``: how far one step goes. Raises ValueError unless both are finite and above 0."""
-        if not (0 < duration < float("inf") and 0 < frame_secs < float("inf")):
+        """``duration``: None until ``lasts`` says it; ``frame_secs``: how far one step goes. Raises ValueError unless
+        both are finite and above 0."""
+        told = 1.0 if duration is None else duration
+        if not (0 < told < float("inf") and 0 < frame_secs < float("inf")):
             raise ValueError(f"a player needs a duration and a frame time above 0, got {duration} and {frame_secs} s")
-        self._duration, self._frame_secs, self._clock = duration, frame_secs, clock
+        self._duration = float("inf") if duration is None else duration
+        self._frame_secs, self._clock = frame_secs, clock
         self._changed = threading.Condition()
         self._loop, self._playing = loop, True
         self._base, self._since = 0.0, clock()
@@ -47,8 +54,15 @@ class Playhead:
 
     @property
     def duration(self) -> float:
-        """Seconds."""
+        """Seconds; infinity while nobody knows."""
         return self._duration
+
+    def lasts(self, seconds: float) -> None:
+        """The duration is known from now on, or is another one. Raises ValueError unless it is finite and above 0."""
+        if not 0 < seconds < float("inf"):
+            raise ValueError(f"a player needs a duration above 0, got {seconds} s")
+        with self._changed:
+            self._duration = seconds
 
     def play(self) -> None:
         """Go on; from the beginning when it stands at the end."""

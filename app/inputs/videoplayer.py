@@ -11,6 +11,7 @@ import av
 
 from ...models.mediafile import decoded, duration_of, pixel_aspect_of, rate_of
 from ...models.videopicture import upright_rgb
+from ..errors import InputError
 from ..files.frames import Frame
 from ..files.video import WITHOUT_PTS, open_container, video_stream
 from .source import Kind, SourceLost, TimedFrame
@@ -18,9 +19,8 @@ from .transport import Playhead
 
 MOST_AT_ONCE = 8
 """After so many frames passed over in one read the clock slips instead: it would never catch up."""
-LONGEST_SECS = 24 * 3600.0
-"""Stands for a duration that the file does not tell."""
 _EARLY_SECS = 1e-4
+_WHEN_WHOLE = "Open it again when it is whole."
 _FURTHER_SECS = 1.0
 """So much further back a file is sent that was sent back and came out behind; twice as far each time."""
 
@@ -37,8 +37,7 @@ class VideoPlayer:
         self._path, self._clock = path, clock
         self.drops = 0
         self._open()
-        duration = float(duration_of(self._container, self._stream) or LONGEST_SECS)
-        self.transport = Playhead(duration, self._frame_secs, clock=clock)
+        self.transport = Playhead(self._told_secs, self._frame_secs, clock=clock)
         self._jumps = self.transport.jumps
 
     def read(self, timeout: float) -> Frame | None:
@@ -52,6 +51,8 @@ class VideoPlayer:
         except av.error.FFmpegError as error:
             message = f"{self.name} cannot be read any further ({error.strerror})."
             raise SourceLost(message, "Check that the disk is still there, and open the file again.", False) from error
+        except InputError as error:  # it was opened anew, and is no longer what it was
+            raise SourceLost(f"{error}.", _WHEN_WHOLE, False) from error
 
     def close(self) -> None:
         """Let go of the file."""
@@ -65,6 +66,8 @@ class VideoPlayer:
         self._start = self._stream.start_time or 0
         self._pixel_aspect = pixel_aspect_of(self._stream)
         self._frame_secs = 1 / float(rate_of(self._stream))
+        told = duration_of(self._container, self._stream)
+        self._told_secs = float(told) if told is not None and told > 0 else None
         self._untold = self._container.format.name in WITHOUT_PTS
         self._late: int | None = None
         self._pictures: Iterator[av.VideoFrame] = decoded(self._container, self._stream)
@@ -80,6 +83,7 @@ class VideoPlayer:
         for _ in range(MOST_AT_ONCE):
             ahead = self._peek()
             if ahead is None:
+                self._learn()
                 if chosen is None and position >= self._last_secs + self._frame_secs - _EARLY_SECS:
                     self.transport.end()
                 break
@@ -92,15 +96,19 @@ class VideoPlayer:
             self.transport.slip(self._last_secs)
         return self._frame(chosen) if chosen else None
 
-    def _at(self, position: float) -> Frame | None:
+    def _at(self, position: float) -> Frame:
         """The frame that is shown at a position gone to, where times are rounded to the file's ticks; decoded from the
-        key frame before it."""
+        key frame before it. Raises SourceLost where there is none any more."""
         self._go_before(position)
         found = None
         latest = self._latest(position)
         while (ahead := self._peek()) is not None and (found is None or ahead[0] <= latest):
             found = self._take(ahead)
-        return self._frame(found) if found else None
+        if found is None:  # not even after it was opened anew
+            raise SourceLost(f"{self.name} holds no picture that can be read.", _WHEN_WHOLE, False)
+        if ahead is None:
+            self._learn()
+        return self._frame(found)
 
     def _go_before(self, position: float) -> None:
         """Goes on decoding at or before a position.
@@ -120,6 +128,13 @@ class VideoPlayer:
         with suppress(av.error.FFmpegError):
             self._container.close()
         self._open()
+        if self._told_secs is not None:  # it may have been written anew
+            self.transport.lasts(self._told_secs)
+
+    def _learn(self) -> None:
+        """At the end: how long the file is, where it did not tell."""
+        if self.transport.duration == float("inf") and self._last_secs >= 0:
+            self.transport.lasts(self._last_secs + self._frame_secs)
 
     def _latest(self, position: float) -> float:
         """What a position is as told in ticks; one of AVI is as long as a frame."""

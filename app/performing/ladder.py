@@ -68,9 +68,9 @@ def quality(ladder: Ladder, wanted: Quality) -> Quality:
     )
 
 
-def said(ladder: Ladder, wanted: Quality) -> str:
+def said(given: Quality, wanted: Quality) -> str:
     """What was taken from what the person wants, one plain sentence; empty when nothing was."""
-    given, parts = quality(ladder, wanted), []
+    parts = []
     if given.components < wanted.components:
         parts.append(f"{given.components} components")
     if given.scale < wanted.scale:

@@ -90,10 +90,11 @@ def gain_matrix(gem: Gem, tuning: Tuning) -> Floats | None:
     """[coefficients, coefficients] that multiplies, from the right, coefficients away from rest; None for no change.
 
     The part of an expression that ARKit shapes explain (ridge regression in units of sigma) is scaled shape by shape;
-    the rest stays. None also for an avatar without an ARKit map, of which nobody knows what moves its mouth.
+    the rest stays. None also for an avatar without coefficients, and for one without an ARKit map, of which nobody
+    knows what moves its mouth.
     """
     extra = np.array([tuning.gain(group_of(shape)) - 1 for shape in NAMES])
-    if gem.arkit_weights is None or not extra.any():
+    if gem.arkit_weights is None or not gem.coefficient_count or not extra.any():
         return None
     sigma = gem.sigma.astype(float)  # a file may say 1e-30, whose squares are too much for 32 bits
     shapes = gem.arkit_weights / sigma  # [52, coefficients]

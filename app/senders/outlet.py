@@ -21,6 +21,8 @@ class Marks:
     """Why recordings and pictures carry no badge; empty where they carry one."""
     camera_badge: bool = False
     """Whether the virtual camera carries one too."""
+    ground: tuple[int, int, int] = (0, 0, 0)
+    """RGB of the last background that was not transparent, for files that know no alpha."""
     origins: Mapping[str, Origin] = field(default_factory=dict)
     """SHA-256 of an avatar's file -> whose face it is."""
 

@@ -84,7 +84,10 @@ class Recording:
         if self._due < ALMOST:
             return
         self._due -= 1
-        picture = fitted(shown.picture, self._size, self._backdrop)
+        picture = shown.picture
+        if picture.shape[2] == 4 and self._backdrop is not None:  # it was begun before a background that has none
+            picture = fitted(picture, picture.shape[1::-1], shown.marks.ground)
+        picture = fitted(picture, self._size, self._backdrop)
         if shown.origin is not None:
             self._origins[shown.avatar] = shown.origin
         self._no_badge = shown.marks.no_badge or self._no_badge

@@ -13,6 +13,7 @@ from ..credentials.signing import open_signer
 from ..credentials.statement import Driver, Statement
 from ..errors import OutputError
 from .fitting import Size, fitted
+from .folder import made
 from .outlet import Image, Shown
 
 STEM = "gemheads"
@@ -25,10 +26,7 @@ class Snapshot:
         """``size``: width and height in pixels. Raises OutputError when the folder cannot be made."""
         self._folder, self._size, self._signer = folder, size, open_signer()[0]
         self.status = "waiting for a picture"
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{folder}: cannot be made ({error.strerror}); choose another folder") from error
+        made(folder)
 
     def send(self, shown: Shown) -> None:
         """Write a picture."""

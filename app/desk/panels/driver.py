@@ -140,9 +140,11 @@ def _transport(view: DeskView, ask: Ask) -> None:
     assert transport is not None
     button(view, ask, "play", "Pause" if transport.playing else "Play", float(not transport.playing), columns(4))
     imgui.same_line()
-    place = f"{transport.position:.1f} of {transport.duration:.1f} s"
+    position, duration = transport.position, transport.duration
+    known = duration < float("inf")  # of files that do not tell it, when their end was seen
+    place = f"{position:.1f} of {duration:.1f} s" if known else f"{position:.1f} s"
     width = imgui.get_content_region_avail().x - imgui.calc_text_size(place).x - imgui.get_style().item_spacing.x
-    changed, after = bar("##seek", transport.position, 0.0, max(0.1, transport.duration), width)
+    changed, after = bar("##seek", position, 0.0, max(0.1, duration if known else position), width)
     hint(view, "seek")
     at_right(place)
     if changed:

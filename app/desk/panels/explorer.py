@@ -24,9 +24,10 @@ def explorer(view: DeskView, ask: Ask) -> None:
     first = max(0, min(exploring.component - SLIDERS // 2, stored - SLIDERS))
     for component in range(first, min(stored, first + SLIDERS)):
         _slider(view, ask, component)
-    faint(f"{stored} stored, Shift+Up and Down")
-    switch(view, ask, "sweep", "Sweep", exploring.sweep)
-    imgui.same_line()
+    faint(f"{stored} stored, Shift+Up and Down" if stored else f"No {exploring.modality} components are stored")
+    if stored:
+        switch(view, ask, "sweep", "Sweep", exploring.sweep)
+        imgui.same_line()
     button(view, ask, "unexplore", "All to rest", width=-1)
     button(view, ask, "explore", "Done", 0.0, width=-1)
 

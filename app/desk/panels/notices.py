@@ -37,7 +37,8 @@ def comparison(view: DeskView, picture: Area) -> None:
     pen.add_line(imgui.ImVec2(x, top), imgui.ImVec2(x, bottom), packed(theme.ACCENT), 2 * unit)
     pen.add_circle_filled(imgui.ImVec2(x, (top + bottom) / 2), 9 * unit, packed(theme.ACCENT))
     left = f"A: all {state.limits.components}"
-    right = "error x 8" if state.error_map else f"B: {state.used_components} components"
+    used = max(state.used_components, state.explored_components)
+    right = "error x 8" if state.error_map else f"B: {used} components"
     away, pad = 12 * unit, 8 * unit
     for words, at in ((left, x - away - imgui.calc_text_size(left).x - 2 * pad), (right, x + away)):
         size = imgui.calc_text_size(words)  # on a ground of its own: the accent alone is lost on a green screen

@@ -1,4 +1,5 @@
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,9 +15,11 @@ from gemheads.app.bench.witness import Witness
 from gemheads.app.desk.layout import laid_out
 from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import DeskView
-from gemheads.app.errors import UsageError
+from gemheads.app.errors import InputError, UsageError
 from gemheads.app.performing.figures import Spread
+from gemheads.models.gemfile import save_gem
 from gemheads.render.contexts import NoOpenGLError, offscreen_context
+from gems import ball
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -149,8 +152,8 @@ def test_the_whole_live_loop_is_measured_without_a_display(
     except NoOpenGLError as error:
         pytest.skip(str(error))
     monkeypatch.setattr("gemheads.app.bench.live.has_display", lambda: False)
-    report = run_live_bench(seconds=1.5, avatar="mara", engine="software", size=(192, 192), warm_up=1.0)
-    assert report.unread == 0
+    report = run_live_bench(1.5, avatar="mara", engine="software", components=7, size=(192, 192), warm_up=1.0)
+    assert (report.unread, report.components) == (0, 7)
     assert report.pictures_per_second > 0
     assert report.latency.median > 0
     assert {"track", "express", "compose", "draw"} <= set(report.stages)
@@ -171,6 +174,17 @@ def test_a_framebuffer_is_read_from_the_top_left() -> None:
     assert lumas is not None
     assert lumas.tolist() == [0, 255, 0]
     context.release()
+
+
+@pytest.mark.parametrize("kind", ["broken", "undriven"])
+def test_an_avatar_that_cannot_be_measured_is_refused_at_once(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "a.gem"
+    if kind == "broken":
+        path.write_bytes(b"no avatar")
+    else:
+        save_gem(replace(ball(), arkit_weights=None), path)
+    with pytest.raises(InputError, match=r"a\.gem"):
+        run_live_bench(avatar=str(path))
 
 
 def test_figures_are_not_written_over_the_avatar(tmp_path: Path) -> None:

@@ -1,11 +1,15 @@
 """What `gemheads live` does after its window was closed."""
 
+import signal
 import threading
 from pathlib import Path
 
 import pytest
-from gemheads.app.desk.command import await_files
+from gemheads.app.desk import command
+from gemheads.app.desk.command import await_files, live_command
+from gemheads.app.desk.farewell import ENDING, farewell
 from gemheads.app.desk.outputs import Outputs
+from gemheads.app.errors import InputError
 from keepers import Keeper
 from waiting import SOON
 
@@ -26,6 +30,26 @@ def closed(recording: Signing) -> Outputs:
     outputs.fan.start("Recording", lambda: recording, filing=True)
     outputs.fan.close(0.05)
     return outputs
+
+
+@pytest.mark.parametrize("name", ENDING)
+def test_what_ends_programs_asks_the_window_to_quit(name: str) -> None:
+    number, asked = getattr(signal, name), []
+    before = signal.getsignal(number)
+    with farewell(lambda: asked.append(name)):
+        signal.raise_signal(number)
+    assert asked == [name]
+    assert signal.getsignal(number) is before
+
+
+@pytest.mark.parametrize("words", [{"avatar": "broken.gem"}, {"driver": "broken.gem"}], ids=["avatar", "driver"])
+def test_an_avatar_that_is_none_is_refused_before_a_window_opens(
+    words: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "broken.gem").write_bytes(b"no avatar")
+    monkeypatch.setattr(command, "DeskWindow", lambda size: pytest.fail("a window was opened"))
+    with pytest.raises(InputError, match=r"broken\.gem"):
+        live_command(**{name: str(tmp_path / word) for name, word in words.items()})
 
 
 def test_a_recording_that_is_being_signed_is_waited_for_aloud(capsys: pytest.CaptureFixture[str]) -> None:

@@ -119,6 +119,20 @@ def test_a_frozen_picture_goes_on_to_outputs_and_can_be_saved(room: Room, monkey
     assert all(np.array_equal(shown.picture, still) for shown in spy.kept)
 
 
+def test_a_clean_window_is_drawn_again_though_the_picture_stands_still(
+    room: Room, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else it would notice neither its close button nor its size."""
+    monkeypatch.setattr(session_module, "REPEAT_SECS", 0.01)
+    begin(room)
+    room.session.obey(Order("play"))
+    room.session.obey(Order("clean_window"))
+    turn(room.session)
+    for _ in range(3):
+        time.sleep(0.02)
+        assert turn(room.session) is not None
+
+
 def test_a_recording_lasts_until_it_is_stopped_though_the_picture_was_frozen(room: Room) -> None:
     """It begins with a picture that is shown in one round, and ends in another: a clock before and after each tells the
     least and the most that it may last, however busy the machine is."""

@@ -10,9 +10,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from gemheads.app.desk.actions import Order
+from gemheads.app.desk.command import played
+from gemheads.app.desk.driving import Driving
+from gemheads.app.desk.keys import keymap
 from gemheads.app.desk.offscreen import DeskOffscreen
+from gemheads.app.desk.outputs import Outputs
 from gemheads.app.desk.painter import CURTAIN
 from gemheads.app.desk.remote import Remote
+from gemheads.app.desk.resting import NeutralTaking
+from gemheads.app.desk.roster import Roster
+from gemheads.app.desk.session import Session
+from gemheads.app.desk.state import DeskState
 from gemheads.app.desk.view import Toast
 from gemheads.app.live import run_live
 from gemheads.app.performing.ladder import Quality
@@ -24,7 +32,8 @@ from keepers import Keeper
 from osc import message
 from waiting import eventually, in_words
 
-from .conftest import Room
+from ..scripted import avatar
+from .conftest import FakeCapture, Room
 from .rounds import begin, turn, until
 
 
@@ -96,6 +105,35 @@ def test_a_broken_file_is_refused_with_its_reason_and_the_old_avatar_stays(
         assert turn(room.session) is not None
 
 
+@pytest.mark.parametrize("spare", ["anna.gem", "broken.gem"])
+def test_where_the_first_avatar_is_refused_the_spare_one_comes_and_why_is_told(
+    avatars: tuple[Path, ...], spare: str
+) -> None:
+    folder = avatars[0].parent
+    session = Session(
+        *(
+            DeskState(),
+            Roster((folder / "broken.gem",)),
+            keymap(),
+            SoftwareEngine,
+            Outputs((96, 96), 30, Path),
+            (96, 96),
+        ),
+        driving=Driving(lambda words, alarm: session.tell(words, alarm), FakeCapture),
+        spare=folder / spare,
+    )
+    assert played(session, "before.gem") == "before.gem"
+    eventually(lambda: session.settle(time.perf_counter()) or session.view(time.perf_counter()).toasts)
+    assert "broken.gem" in session.view(time.perf_counter()).toasts[0].text
+    if spare == "anna.gem":
+        until(session, lambda: session.stage.avatar is not None)
+        assert played(session, "before.gem") == str(folder / spare)
+    else:
+        eventually(lambda: session.settle(time.perf_counter()) or not session.stage.loading)
+        assert played(session, "before.gem") == "before.gem"
+    session.close()
+
+
 def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
     begin(room)
     room.capture.post(3.0)
@@ -114,6 +152,20 @@ def test_components_and_modalities_change_the_next_picture(room: Room) -> None:
     again = turn(room.session)
     assert again is not None
     np.testing.assert_array_equal(again, whole)
+
+
+def test_what_is_explored_is_seen_however_few_components_are_drawn(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
+    begin(room)
+    session = room.session
+    monkeypatch.setattr(session.gauges, "quality", lambda components: Quality(min(components, 2)))
+    for order in (Order("components", 1.0), Order("explored_component", 4.0), Order("explore")):
+        session.obey(order)
+    still = turn(session)
+    session.obey(Order("sigma", 3.0))
+    moved = turn(session)
+    assert still is not None
+    assert moved is not None
+    assert (moved != still).any()
 
 
 def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_the_curtain(room: Room) -> None:
@@ -137,6 +189,19 @@ def test_outputs_get_the_avatar_without_comparison_or_panels_and_nothing_behind_
     eventually(lambda: spy.kept and spy.kept[-1].pose is None)
     assert (spy.kept[-1].picture == CURTAIN).all()
     assert spy.kept[-1].avatar == ""
+
+
+def test_outputs_know_the_ground_before_a_transparent_one(room: Room) -> None:
+    begin(room)
+    spy = Keeper()
+    room.session.outputs.fan.start("spy", lambda: spy)
+    for background in ("white", "transparent"):
+        room.session.obey(Order("background", background))
+        shown = turn(room.session)
+    assert shown is not None
+    assert shown.shape[2] == 4
+    eventually(lambda: spy.kept and spy.kept[-1].picture.shape[2] == 4)
+    assert spy.kept[-1].marks.ground == (255, 255, 255)
 
 
 def test_a_picture_that_was_begun_before_the_curtain_fell_is_not_shown(room: Room) -> None:
@@ -217,6 +282,14 @@ def test_a_recording_and_a_picture_are_written_and_a_failed_output_switches_itse
     def refuse() -> Path:
         raise PermissionError("this disk is full")
 
+    (room.folder / "file").touch()
+    room.session.outputs._folder = lambda: room.folder / "file" / "videos"
+    room.session.obey(Order("record"))
+    room.capture.post(2.0)
+    until(room.session, lambda: not room.session.state.record)
+    said = [toast.text for toast in room.session.view(time.perf_counter()).toasts if toast.alarm]
+    assert f"see that {room.folder / 'file'} is a folder" in said[-1]
+    assert "Error" not in said[-1]
     room.session.outputs._folder = refuse
     room.session.obey(Order("record"))
     room.capture.post(1.0)  # the state is as it was by the time a picture is drawn: only a shot is news
@@ -289,12 +362,15 @@ def test_what_stands_still_and_what_is_saved_is_drawn_whole_however_slow_the_mac
     session.obey(Order("picture"))
     assert drawn() == 96
     assert drawn() == 48
+    assert session.view(0.0).readings.lowered
     session.obey(Order("play", 0.0))
     assert until(session, lambda: True).shape[0] == 96  # it stands still
+    assert not session.view(0.0).readings.lowered, "what is drawn whole is said to be lowered"
     session.obey(Order("play", 1.0))
     assert drawn() == 48
     room.capture.transport = SimpleNamespace(playing=False, loop=True)
     assert drawn() == 96  # a video that is paused
+    assert not session.view(0.0).readings.lowered
 
 
 def test_what_is_saved_is_never_the_smaller_picture_that_was_under_way(
@@ -322,6 +398,15 @@ def test_a_neutral_is_not_taken_of_two_sources(room: Room) -> None:
     room.session.obey(Order("demo"))
     turn(room.session)
     assert room.session.driving.neutral._session == RestSession(coaching=coach(None, 0.0))
+
+
+def test_an_avatar_that_no_face_drives_ends_the_taking_of_a_neutral_with_the_reason() -> None:
+    """As it does when it comes on stage meanwhile."""
+    taking = NeutralTaking()
+    taking._session = RestSession("collecting")
+    assert taking.advance(None, Health(), avatar(arkit=False), 1e6) is None
+    assert not taking.on
+    assert "has no regressor" in taking.told().result
 
 
 @pytest.mark.enable_socket

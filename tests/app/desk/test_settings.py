@@ -1,4 +1,5 @@
 import os
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -32,6 +33,23 @@ def test_what_is_remembered_comes_back(tmp_path: Path) -> None:
     assert recalled(DeskState(), read) == state
 
 
+def test_what_a_person_wrote_while_the_window_was_open_stays(tmp_path: Path) -> None:
+    file = tmp_path / "live.toml"
+    settings = Settings({"mirror": True}, "a.gem", "Cam", (640, 480), {"record": ("F9",)})
+    assert save_settings(settings, file) == ""
+    theirs = (
+        "since = 2026-11-26\n[desk]\nmirror = true\nfuture = 1\n[keys]\nrecord = ['F8']\n[mine]\na = {b = [1, 'c']}\n"
+    )
+    file.write_text(theirs)
+    assert save_settings(replace(settings, wishes={"mirror": False}), file) == ""
+    read, mine = load_settings(file)[0], tomllib.loads(file.read_text())
+    assert read == replace(settings, wishes={"mirror": False}, keys={"record": ("F8",)})
+    assert (str(mine["since"]), mine["desk"]["future"], mine["mine"]) == ("2026-11-26", 1, {"a": {"b": [1, "c"]}})
+    file.write_text("[keys\n")
+    assert "kept as" in save_settings(settings, file)
+    assert load_settings(file) == (settings, "")
+
+
 def test_names_that_are_hard_to_write_lose_nothing_else(tmp_path: Path) -> None:
     """TOML is UTF-8 and knows no halves of characters; what a disk or a camera calls itself may be any bytes."""
     file = tmp_path / "live.toml"
@@ -40,7 +58,7 @@ def test_names_that_are_hard_to_write_lose_nothing_else(tmp_path: Path) -> None:
     assert load_settings(file) == (smile, "")
     strange = Settings({"mirror": False}, avatar=os.fsdecode(b"/caf\xe9.gem"), camera="Cam")
     assert save_settings(strange, file) == ""
-    assert load_settings(file) == (replace(strange, avatar=""), "")
+    assert load_settings(file) == (replace(strange, avatar="", keys=smile.keys), "")
 
 
 def test_no_output_and_no_camera_goes_on_by_itself() -> None:

@@ -107,6 +107,35 @@ def test_exploring_a_slider_turns_the_explorer_on() -> None:
     assert update(state, Order("unexplore")).exploring.sigmas == ()
 
 
+def test_only_what_is_stored_is_explored() -> None:
+    """Imported avatars have no components of the opacity, and others fewer of one modality than of another."""
+    limits = Limits(20, stored={"position": 20, "rotation": 20, "scale": 6, "opacity": 0})
+    state = DeskState(limits=limits)
+    for order, explored in (
+        (Order("explored_component", 99.0), ("position", 19, False)),
+        (Order("sweep"), ("position", 19, True)),
+        (Order("explored_modality", "scale"), ("scale", 5, True)),
+        (Order("explored_component", 1.0, relative=True), ("scale", 5, True)),
+        (Order("explored_modality", "opacity"), ("opacity", 0, False)),
+        (Order("sweep", 1.0), ("opacity", 0, False)),
+        (Order("sigma", 1.0), ("opacity", 0, False)),
+    ):
+        state = update(state, order)
+        assert (state.exploring.modality, state.exploring.component, state.exploring.sweep) == explored
+        assert state.exploring.sigmas == ()
+    swept = DeskState(exploring=Exploring(on=True, modality="opacity", sweep=True))
+    assert not restaged(swept, limits).exploring.sweep
+
+
+def test_the_explorer_needs_as_many_components_as_it_moves() -> None:
+    state = DeskState(limits=Limits(20), components=3)
+    assert state.explored_components == 0
+    moved = Exploring(on=True, component=4, sigmas=(("scale", 9, 1.0),))
+    assert replace(state, exploring=replace(moved, sigmas=())).explored_components == 5
+    assert replace(state, exploring=moved).explored_components == 10
+    assert replace(state, exploring=replace(moved, component=99)).explored_components == 20
+
+
 def test_backgrounds_go_round_and_colours_are_taken() -> None:
     state = DeskState()
     for name in (*BACKGROUNDS[1:], BACKGROUNDS[0]):

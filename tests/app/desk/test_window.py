@@ -200,6 +200,34 @@ def test_ctrl_with_the_key_of_a_plus_and_keys_that_edit_a_path(running: Running)
     assert running.process.wait(timeout=10) == 0
 
 
+@driven
+def test_a_window_that_is_ended_from_outside_keeps_what_was_set(running: Running, tmp_path: Path) -> None:
+    running.begun()
+    running.process.terminate()
+    assert running.process.wait(timeout=20) == 0, running.log.read_text()[-2000:]
+    assert "mirror" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
+
+
+HUGE = """
+from gemheads.app.desk.window import DeskWindow
+
+desk = DeskWindow((16384, 16384))
+print(*desk.size)
+desk.close()
+"""
+
+
+@driven
+def test_a_window_is_never_larger_than_the_screen(display: str) -> None:
+    command = [sys.executable, "-c", seal() + HUGE]
+    done = subprocess.run(
+        command, env={**os.environ, "DISPLAY": display}, timeout=60, check=True, capture_output=True, text=True
+    )
+    width, height = (int(value) for value in done.stdout.split())
+    assert width <= 1280
+    assert height <= 900
+
+
 GREEN = """
 import numpy as np
 from gemheads.app.bench.screen import XWindowReader

@@ -251,8 +251,9 @@ def test_another_avatar_goes_on_with_the_same_expression_at_once(world: World) -
     assert np.isfinite(weights).all()
 
 
-def test_an_avatar_that_nothing_drives_is_refused_and_the_one_before_stays(world: World) -> None:
-    world.loop.cast(avatar(2, arkit=False))
+def test_an_avatar_whose_regressor_is_broken_is_refused_and_the_one_before_stays(world: World) -> None:
+    mapless = avatar(2, arkit=False)
+    world.loop.cast(replace(mapless, gem=replace(mapless.gem, regressor=b"no graph")))
     assert world.play(0.1)[-1].avatar == "sha of 0"
 
 
@@ -317,6 +318,22 @@ def test_weights_move_any_avatar_and_silence_is_told() -> None:
     assert world.shots[-1].pose.phase is Phase.IDLE
 
 
-def test_a_loop_needs_an_avatar_that_can_be_driven() -> None:
+def test_an_avatar_that_no_face_drives_plays_its_track_and_says_what_faces_lack(world: World) -> None:
+    unfaced = avatar(2, arkit=False)
+    world.loop.cast(unfaced)
+    looks = world.person.looks
+    shots = world.play(0.5)
+    assert {shot.avatar for shot in shots} == {"sha of 2"}
+    assert world.person.looks == looks
+    assert "has no regressor" in world.loop.health.message
+    world.loop.use(world.open, "a track")
+    k = (unfaced.gem.rest_coefficients + unfaced.gem.sigma).astype(np.float32)
+    shots = world.play(0.5, lambda: PoseFrame(Pose(k, np.zeros(3, np.float32)), "sha of 2", world.clock.now))
+    assert shots[-1].pose.coefficients.tolist() == k.tolist()
+    assert world.loop.health.message == ""
+
+
+def test_a_loop_needs_an_avatar_whose_regressor_is_whole() -> None:
+    mapless = avatar(arkit=False)
     with pytest.raises(InputError, match="ARKit"):
-        Loop(avatar(arkit=False), lambda: World().person)
+        Loop(replace(mapless, gem=replace(mapless.gem, regressor=b"no graph")), lambda: World().person)

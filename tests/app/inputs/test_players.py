@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gemheads.app.errors import InputError
 from gemheads.app.inputs.pictures import open_pictures
-from gemheads.app.inputs.source import LiveSource, PoseFrame, WeightsFrame
+from gemheads.app.inputs.source import LiveSource, PoseFrame, SourceLost, WeightsFrame
 from gemheads.app.inputs.trackplayer import open_performance, open_track
 from gemheads.app.inputs.videoplayer import MOST_AT_ONCE, VideoPlayer
 from gemheads.app.performing.performance import Pose
@@ -90,14 +90,7 @@ def test_a_video_pauses_steps_and_seeks_exactly(make_clip: Clip, clock: Clock) -
 def test_every_frame_is_found_again_whatever_holds_it(tmp_path: Path, clock: Clock, suffix: str) -> None:
     """All in one group of pictures that are not stored as they are shown: transport streams are sent before its
     beginning and come out behind it, AVI tells only when pictures are decoded."""
-    path = tmp_path / f"clip{suffix}"
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        for grey in range(0, 240, 8):
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
-        container.mux(stream.encode())
-    video = VideoPlayer(path, clock)
+    video = VideoPlayer(grey_clip(tmp_path / f"clip{suffix}"), clock)
     rounds = [number for number, _ in seen_numbers(video, clock, 2.5)]
     assert rounds[:60] == 2 * list(range(30))
     video.transport.pause()
@@ -105,6 +98,31 @@ def test_every_frame_is_found_again_whatever_holds_it(tmp_path: Path, clock: Clo
         video.transport.seek((number + 0.01) / 25)
         ((shown, _),) = seen_numbers(video, clock, 0.1)
         assert shown == number
+
+
+def test_how_long_a_video_is_that_does_not_tell_is_learnt_at_its_end(tmp_path: Path, clock: Clock) -> None:
+    path = grey_clip(tmp_path / "clip.h264")
+    played, sought = VideoPlayer(path, clock), VideoPlayer(path, clock)
+    watch(played, clock, 0.9)
+    assert played.transport.duration == float("inf")
+    watch(played, clock, 0.5)
+    assert (played.transport.duration, played.transport.playing) == (pytest.approx(1.2), True)
+    sought.transport.pause()
+    sought.transport.seek(1e6)
+    frame = sought.read(0)
+    assert frame is not None
+    assert (frame.seconds, sought.transport.position) == (pytest.approx(29 / 25), pytest.approx(1.2))
+
+
+def grey_clip(path: Path) -> Path:
+    """Thirty greys, 25 a second."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for grey in range(0, 240, 8):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
+        container.mux(stream.encode())
+    return path
 
 
 def seen_numbers(video: VideoPlayer, clock: Clock, secs: float) -> list[tuple[int, float]]:
@@ -164,6 +182,31 @@ def test_what_is_late_is_passed_over_and_the_clock_slips_when_it_is_hopeless(mak
     assert frame is not None
     assert frame.seconds == pytest.approx(0.1 + MOST_AT_ONCE / 29.97, abs=0.002)
     assert video.transport.position == pytest.approx(frame.seconds)
+
+
+@pytest.mark.parametrize(("kept", "told"), [(0, "empty"), (None, "holds no picture")], ids=["emptied", "scrambled"])
+def test_a_video_that_is_written_over_while_it_plays_is_lost_and_freezes_nothing(
+    tmp_path: Path, clock: Clock, kept: int | None, told: str
+) -> None:
+    """Longer than what is read ahead of it; its index is whole where all but its beginning is scrambled."""
+    path, random = tmp_path / "clip.mp4", np.random.default_rng(0)
+    with av.open(str(path), "w", options={"movflags": "faststart"}) as container:
+        stream = container.add_stream("libx264", rate=25, options={"preset": "ultrafast"})
+        stream.width, stream.height, stream.pix_fmt = 160, 120, "yuv420p"
+        for _ in range(25):
+            picture = random.integers(0, 255, (120, 160, 3), np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, "rgb24")))
+        container.mux(stream.encode())
+    video, size = VideoPlayer(path, clock), path.stat().st_size
+    assert len(watch(video, clock, 0.5)) > 10
+    with path.open("r+b") as file:
+        if kept is None:
+            file.seek(4000)
+            file.write(random.bytes(size - 4000))
+        else:
+            file.truncate(kept)
+    with pytest.raises(SourceLost, match=told):
+        watch(video, clock, 3.0)
 
 
 def test_what_is_no_video_is_refused(tmp_path: Path) -> None:

@@ -69,6 +69,18 @@ def test_a_loop_can_be_switched_on_and_off(clock: Clock) -> None:
     assert not played.loop
 
 
+def test_a_duration_that_is_learnt_at_the_end_holds_from_then_on(clock: Clock) -> None:
+    played = Playhead(None, 0.1, clock=clock)
+    clock.now += 1000
+    assert (played.position, played.duration) == (pytest.approx(1000), float("inf"))
+    played.seek(1.9)
+    played.lasts(2.0)
+    clock.now += 0.5
+    assert (played.position, played.duration) == (pytest.approx(0.4), 2.0)
+    with pytest.raises(ValueError, match="above 0"):
+        played.lasts(0.0)
+
+
 @pytest.mark.parametrize("duration", [0.0, -1.0, float("inf"), np.nan])
 def test_what_has_no_length_cannot_be_played(duration: float, clock: Clock) -> None:
     with pytest.raises(ValueError, match="above 0"):

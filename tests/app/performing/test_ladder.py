@@ -36,8 +36,7 @@ def machine(ladder: Ladder, cost: Callable[[Quality], float], secs: float, wante
 
 def test_a_fast_machine_stays_at_the_top_and_nothing_is_said() -> None:
     ladder = run(Ladder(), 20.0, 60.0)
-    assert (ladder.rung, said(ladder, ALL)) == (0, "")
-    assert quality(ladder, ALL) == ALL
+    assert (ladder.rung, quality(ladder, ALL), said(ALL, ALL)) == (0, ALL, "")
 
 
 def test_one_slow_frame_is_no_slow_machine() -> None:
@@ -48,12 +47,13 @@ def test_one_slow_frame_is_no_slow_machine() -> None:
 
 
 def test_it_steps_down_in_the_order_of_the_ladder_and_says_so() -> None:
-    seen = list(dict.fromkeys((entry.rung, said(entry, ALL)) for entry in machine(Ladder(), lambda _: 100.0, 20.0)))
+    history = machine(Ladder(), lambda _: 100.0, 20.0)
+    seen = list(dict.fromkeys((entry.rung, said(quality(entry, ALL), ALL)) for entry in history))
     assert [rung for rung, _ in seen] == [0, 1, 2, 3, 4, 5]
     assert seen[1][1] == "This machine is slow: 30 components."
     assert seen[3][1] == "This machine is slow: 10 components, drawn at 75% of its size."
     assert "one picture of the camera in 2" in seen[-1][1]
-    assert said(Ladder(rung=3), Quality(5)) == "This machine is slow: drawn at 75% of its size."
+    assert said(quality(Ladder(rung=3), Quality(5)), Quality(5)) == "This machine is slow: drawn at 75% of its size."
     assert run(Ladder(), 100.0, SLOW_SECS - 0.2).rung == 0
     assert run(Ladder(), 100.0, SLOW_SECS + 0.2).rung == 1
 

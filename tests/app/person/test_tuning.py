@@ -59,6 +59,7 @@ def test_what_no_shape_explains_stays(gem: Gem) -> None:
 def test_without_gains_or_without_a_map_nothing_is_multiplied(gem: Gem) -> None:
     assert gain_matrix(gem, Tuning(gains={"head": 0.0, "mouth": 1.0})) is None
     assert gain_matrix(replace(gem, arkit_weights=None), Tuning(gains={"mouth": 0.0})) is None
+    assert gain_matrix(gem.truncated(0), Tuning(gains={"mouth": 0.0})) is None
 
 
 def test_every_shape_has_a_group() -> None:

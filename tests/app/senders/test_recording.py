@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.files.video import VideoFile
-from gemheads.app.senders.outlet import Image, Shown
+from gemheads.app.senders.outlet import Image, Marks, Shown
 from gemheads.app.senders.recording import Recording, open_recording, recording_name
 
 SIZE = (96, 64)
@@ -45,6 +45,16 @@ def test_pictures_keep_the_times_of_the_wall_clock(tmp_path: Path) -> None:
     assert times == pytest.approx([0.0, 0.04, 0.2, 1.0], abs=1e-4)
     assert np.abs(images[0][32, 48].astype(int) - (200, 90, 40)).max() <= 6
     assert recording.status.startswith(f"saved {tmp_path / 'out.mp4'}: 1.0 s, 0.")
+
+
+def test_what_becomes_transparent_keeps_its_ground_in_a_file_without_alpha(tmp_path: Path) -> None:
+    recording = Recording(tmp_path / "out.mp4", SIZE, 30)
+    ground = Marks(ground=(20, 160, 90), no_badge="a test")
+    for number, shown in enumerate((picture(200), picture(200, alpha=0))):
+        recording.send(Shown(shown, number / 10, marks=ground))
+    recording.close()
+    _, images = read(tmp_path / "out.mp4")
+    assert np.abs(images[1][32, 48].astype(int) - ground.ground).max() <= 6
 
 
 def test_a_fast_window_does_not_make_a_larger_file(tmp_path: Path) -> None:
