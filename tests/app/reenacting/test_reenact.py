@@ -98,6 +98,22 @@ def test_a_driver_is_not_written_over_by_the_result_of_another(tiny: Path, clip:
     assert clip.read_bytes() == other.read_bytes()
 
 
+def test_several_drivers_write_over_no_video_that_no_run_made(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    drivers = [clip.rename(own / "talk.mov"), own / "b.mov"]
+    drivers[1].write_bytes(drivers[0].read_bytes())
+    (precious := own / "talk.mp4").write_bytes(drivers[0].read_bytes())
+    assert play(tiny, *drivers, "-o", own) == ExitCode.OUTPUT
+    assert "talk.mp4: is there already, and nothing in it says that a run made it" in capsys.readouterr().err
+    assert precious.read_bytes() == drivers[0].read_bytes()
+    precious.unlink()
+    for _ in range(2):  # results are written over by results
+        assert play(tiny, *drivers, "-o", own) == ExitCode.OK
+
+
 def test_tracking_that_is_stopped_before_the_first_frame_says_so(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
