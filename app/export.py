@@ -12,6 +12,7 @@ from ..models.ply import save_ply
 from ..models.posing import pose_head
 from ..models.wholefile import file_sha256
 from .errors import InputError, UsageError, cannot_write
+from .files.claim import claimed_folder
 from .files.leftovers import take_over
 from .files.outputs import keep_inputs
 from .performing.casting import check_components, check_track, open_avatar
@@ -42,9 +43,11 @@ def export_track(avatar: Path, track: Path, out: Path, components: int | None = 
     check_components(opened, components)
     performance = load_track(track)
     check_track(opened, performance, track)
-    take_over(out, ".ply", {"avatar": opened.sha256, "track": file_sha256(track), "components": str(components)})
+    made_of = {"avatar": opened.sha256, "track": file_sha256(track), "components": str(components)}
     shots = ((out / f"frame_{i:06d}.ply", pose) for i, pose in enumerate(performance.poses))
-    _write(opened.gem, shots, components)
+    with claimed_folder(out):
+        take_over(out, ".ply", made_of)
+        _write(opened.gem, shots, components)
 
 
 def read_weights(words: list[str]) -> NDArray[np.float32]:

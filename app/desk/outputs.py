@@ -2,14 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 
 from ..credentials.origin import origin_of
 from ..performing.casting import Avatar
 from ..senders.fan import Fan
 from ..senders.oscout import CoefficientsOut
-from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name
+from ..senders.recording import RECORDING_DEPTH, Recording, recording_in
 from ..senders.snapshot import Snapshot
 from ..senders.virtualcamera import open_virtual_camera
 from .actions import Order
@@ -88,5 +87,4 @@ class Outputs:
     def _recording(self, transparent: bool, sound: bool) -> Recording:
         folder = self._folder()
         folder.mkdir(parents=True, exist_ok=True)
-        path = recording_name(folder, transparent, datetime.now())
-        return open_recording(path, self._size, self._rate, transparent, sound)
+        return recording_in(folder, self._size, self._rate, transparent, sound)

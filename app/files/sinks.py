@@ -4,6 +4,7 @@ import errno
 import io
 import os
 import re
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
@@ -16,9 +17,10 @@ from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
 from ...models.mediafile import open_media
-from ...models.wholefile import behind_links, marked, settle, write_whole
+from ...models.wholefile import behind_links, marked, write_whole
 from ..errors import OutputError, UsageError
 from .audio import AudioCopy
+from .claim import open_claimed
 from .recipes import KEY
 
 Image = NDArray[np.uint8]
@@ -88,7 +90,8 @@ class VideoSink:
         recipe: str = "",
     ) -> None:
         """``audio`` names a file whose first sound track is copied beside the pictures, or adds a track of its own to
-        the opened container; ``recipe`` goes into the file (see ``recipes``). Raises OutputError."""
+        the opened container; ``recipe`` goes into the file (see ``recipes``). Raises OutputError, and TakenError where
+        another run is writing this result."""
         path = behind_links(path)
         self.path, self.partial = path, partial_name(path)
         suffix = path.suffix.lower()
@@ -129,21 +132,27 @@ class VideoSink:
     def close(self, whole: bool) -> None:
         """Flush. Sound beyond the last picture is copied only when the result is whole."""
         with _told(self.partial):
-            with self._file.checked():
-                try:
-                    if self._count:
-                        for packet in self._stream.encode():
-                            self._container.mux(packet)
-                    if self._audio:
-                        self._audio.close(whole)
-                finally:
+            try:
+                with self._file.checked():
                     try:
-                        self._container.close()
+                        if self._count:
+                            for packet in self._stream.encode():
+                                self._container.mux(packet)
+                        if self._audio:
+                            self._audio.close(whole)
                     finally:
-                        self._file.close()
-            if whole:
-                settle(self.partial)
-                self.partial.replace(self.path)
+                        self._container.close()
+                if whole:
+                    self._name()
+            finally:
+                self._file.close()
+
+    def _name(self) -> None:
+        """What is on the disk gets its final name while it is still this run's: nobody begins another in between."""
+        os.fsync(self._file.fileno())
+        if sys.platform == "win32":  # which names only what is closed
+            self._file.close()
+        self.partial.replace(self.path)
 
     def _converted(self, image: Image) -> av.VideoFrame:
         """Luma and chroma by the matrix that the file names, in limited range."""
@@ -157,10 +166,11 @@ class VideoSink:
 
 
 class _WatchedFile(io.FileIO):
-    """Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes, and names it otherwise later."""
+    """This run's alone. Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes, and names it
+    otherwise later."""
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, "w")
+        super().__init__(path, "w", opener=open_claimed)
         self._trouble: OSError | None = None
 
     def write(self, data: Any, /) -> int:

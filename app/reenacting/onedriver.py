@@ -3,6 +3,7 @@
 import hashlib
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import zip_longest
@@ -18,6 +19,7 @@ from ..credentials.papers import Papers, driver_of
 from ..credentials.signing import Signer
 from ..credentials.statement import Statement
 from ..errors import InputError, NoFaceError
+from ..files.claim import claimed_folder
 from ..files.frames import Frame
 from ..files.leftovers import take_over
 from ..files.outputs import is_video
@@ -81,13 +83,23 @@ class OneDriver:
         source = open_source(driver, wish.rate) if driver else None
         performance = self._performance(source)
         self._bar.say_once(origin_of(cast.avatar).said())
-        timing = cast.track or source
-        assert timing is not None
-        width, height = wish.size
-        extra = beside_width(source.size, height) if source and wish.side_by_side else 0
         gem = cast.avatar.gem
         stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
+        extra = beside_width(source.size, wish.size[1]) if source and wish.side_by_side else 0
         papers = papers_of(cast, wish, driver, beside=extra > 0)
+        try:
+            with nullcontext() if is_video(self._result) else claimed_folder(self._result):
+                self._draw(performance, stage, source, papers, extra)
+            self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
+        finally:
+            self.seconds = time.perf_counter() - self._started
+
+    def _draw(self, performance: Iterable[_Shot], stage: Stage, source: Source | None, papers: Papers, extra: int) -> None:
+        """The pictures; ``extra`` columns of them show the driver."""
+        wish = self._wish
+        timing = self._cast.track or source
+        assert timing is not None
+        width, height = wish.size
         sink = self._sink((width + extra, height), timing.time_base, timing.rate, source, papers)
         self.left = sink.partial
         self._bar.begin(self._result.name, timing.frame_count)
@@ -96,16 +108,12 @@ class OneDriver:
             picture = side_by_side(frame.rgb, picture, extra) if extra and frame else picture
             return picture if wish.no_badge else badged(picture)
 
-        try:
-            run_offline(performance, stage, finish, sink, self._tell)
-            if isinstance(source, VideoFile) and source.left_out:
-                self._bar.say(
-                    f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
-                    " of it, convert it to mp4"
-                )
-            self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
-        finally:
-            self.seconds = time.perf_counter() - self._started
+        run_offline(performance, stage, finish, sink, self._tell)
+        if isinstance(source, VideoFile) and source.left_out:
+            self._bar.say(
+                f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
+                " of it, convert it to mp4"
+            )
 
     def _performance(self, source: Source | None) -> Iterable[_Shot]:
         if self._cast.track is not None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from av.video.reformatter import ColorRange, Colorspace
 from gemheads.app.errors import OutputError, UsageError
+from gemheads.app.files.claim import TakenError, claimed_folder
 from gemheads.app.files.sinks import FolderSink, VideoSink, is_whole, video_codec
 from gemheads.app.files.video import VideoFile
 
@@ -73,6 +74,30 @@ def test_an_unfinished_video_has_a_partial_name_and_plays(tmp_path: Path) -> Non
     assert not path.exists()
     assert not is_whole(path)
     assert len(read_times(tmp_path / "out.partial.mp4")) == len(VARIABLE)
+
+
+def test_a_result_that_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "out.mp4"
+    first = VideoSink(path, (96, 64), BASE, Fraction(30), False, None)
+    with pytest.raises(TakenError, match=r"out\.partial\.mp4: another run is writing it; wait for that, or choose"):
+        VideoSink(path, (96, 64), BASE, Fraction(30), False, None)
+    write(first, VARIABLE)
+    assert len(read_times(path)) == len(VARIABLE)
+    write(VideoSink(path, (96, 64), BASE, Fraction(30), False, None), VARIABLE[:2], whole=False)
+    write(VideoSink(path, (96, 64), BASE, Fraction(30), False, None), VARIABLE[:3])  # what a run left is taken over
+    assert len(read_times(path)) == 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="folders are not locked there")
+def test_a_folder_that_another_run_is_writing_into_is_left_alone(tmp_path: Path) -> None:
+    with (
+        claimed_folder(tmp_path / "out"),
+        pytest.raises(TakenError, match="another run is writing into it"),
+        claimed_folder(tmp_path / "out"),
+    ):
+        pass
+    with claimed_folder(tmp_path / "out"):
+        pass
 
 
 def test_no_table_says_where_fragments_are(tmp_path: Path) -> None:
