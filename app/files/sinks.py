@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import av
 import numpy as np
+from av.video.frame import PictureType
 from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
@@ -35,6 +36,10 @@ _OPTIONS = {
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8", "crf": "24", "b": "0", "row-mt": "1"},
     "prores_ks": {"profile": "4444"},
 }
+FRAGMENT_SECS = 1
+"""A key frame begins each fragment: after this time, as rates are claims, and live pictures come when they come."""
+_MOST_BETWEEN = 600
+"""Pictures from key frame to key frame, which MPEG-4 part 2 takes no more of."""
 _BT709 = 1
 """The number of matrix, primaries and transfer in H.273: all of these encoders can write it, and players assume it of
 large pictures that say nothing."""
@@ -105,10 +110,11 @@ class VideoSink:
             stream: Any = self._container.add_stream(codec, rate=rate, options=_OPTIONS.get(codec, {}))
         stream.width, stream.height, stream.pix_fmt = *size, pixels
         stream.time_base = stream.codec_context.time_base = time_base
-        stream.codec_context.gop_size = max(1, round(rate))  # one fragment a second
+        stream.codec_context.gop_size = _MOST_BETWEEN
         stream.codec_context.thread_count = min(4, os.cpu_count() or 1)
         _name_colours(stream.codec_context)
         self._stream, self._time_base, self._count = stream, time_base, 0
+        self._key_seconds: Fraction | None = None
         self._pixels, self._reformatter = pixels, VideoReformatter()
         self._audio: Sound | None = None
         if audio is not None:
@@ -122,11 +128,14 @@ class VideoSink:
         """Encode one picture and the sound up to it."""
         frame = self._converted(image)
         frame.pts, frame.time_base = pts, self._time_base
+        seconds = pts * self._time_base
+        if self._key_seconds is None or seconds >= self._key_seconds + FRAGMENT_SECS:
+            self._key_seconds, frame.pict_type = seconds, PictureType.I
         with _told(self.partial), self._file.checked():
             for packet in self._stream.encode(frame):
                 self._container.mux(packet)
             if self._audio:
-                self._audio.copy_until(float(pts * self._time_base))
+                self._audio.copy_until(float(seconds))
         self._count += 1
 
     def close(self, whole: bool) -> None:

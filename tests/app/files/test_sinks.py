@@ -120,6 +120,23 @@ def test_a_killed_run_leaves_all_but_the_last_second(tmp_path: Path) -> None:
     assert len(read_times(copy)) >= 30
 
 
+@pytest.mark.parametrize(("name", "encoder"), [("h.mp4", "libx264"), ("m.mp4", "mpeg4"), ("v.webm", "libvpx-vp9")])
+@pytest.mark.parametrize(("rate", "step"), [(1000, 1001), (30, 7500), (1, 1001)])
+def test_a_fragment_begins_each_second_whatever_the_rate_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, encoder: str, rate: int, step: int
+) -> None:
+    monkeypatch.setattr("gemheads.app.files.sinks.has_encoder", lambda codec: codec == encoder)
+    path = tmp_path / name
+    sink = VideoSink(path, (96, 64), BASE, Fraction(rate), False, None)
+    for index, pts in enumerate(range(0, 4 * 30000, step)):
+        sink.write(index, picture(90), pts)
+    sink.close(True)
+    with av.open(str(path)) as container:
+        keys = [float(p.pts * p.time_base) for p in container.demux(video=0) if p.size and p.is_keyframe]
+    assert np.diff(keys) == pytest.approx(1, abs=0.04)
+    assert len(keys) == 4
+
+
 @pytest.mark.parametrize(("name", "decoder"), [("out.mov", "prores"), ("out.webm", "libvpx-vp9")])
 def test_transparent_videos_keep_their_alpha(tmp_path: Path, name: str, decoder: str) -> None:
     sink = VideoSink(tmp_path / name, (96, 64), BASE, Fraction(30), True, None)
