@@ -6,9 +6,12 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import av
 import cv2
@@ -18,8 +21,9 @@ from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import Source, open_source
 from gemheads.app.library import DEMO_CLIP
+from gemheads.app.live import perform
 from gemheads.app.performing.performance import Pose
-from gemheads.app.performing.tracks import Track, save_track
+from gemheads.app.performing.tracks import Track, load_track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 from waiting import eventually
@@ -126,6 +130,24 @@ def test_tracking_that_is_stopped_before_the_first_frame_says_so(
     assert main(words) == ExitCode.INTERRUPTED
     assert not track.exists()
     assert "stopped before the first frame; nothing was written" in capsys.readouterr().err
+
+
+def test_tracking_that_is_stopped_leaves_an_older_track_as_it_is(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*words: Any) -> Iterator[Any]:
+        yield from islice(perform(*words), 3)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gemheads.app.reenacting.tracking.perform", stopped)
+    track = tmp_path / "t.safetensors"
+    track.write_bytes(b"of before")
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == ExitCode.INTERRUPTED
+    assert track.read_bytes() == b"of before"
+    left = tmp_path / "t.partial.safetensors"
+    assert f"{left}: stopped after 3 frames, 0 of them without a face" in capsys.readouterr().err
+    assert load_track(left).frame_count == 3
 
 
 def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) -> None:
