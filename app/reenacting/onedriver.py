@@ -94,7 +94,9 @@ class OneDriver:
         finally:
             self.seconds = time.perf_counter() - self._started
 
-    def _draw(self, performance: Iterable[_Shot], stage: Stage, source: Source | None, papers: Papers, extra: int) -> None:
+    def _draw(
+        self, performance: Iterable[_Shot], stage: Stage, source: Source | None, papers: Papers, extra: int
+    ) -> None:
         """The pictures; ``extra`` columns of them show the driver."""
         wish = self._wish
         timing = self._cast.track or source

@@ -28,8 +28,8 @@ def run_tracking(
 ) -> ExitCode:
     """Follow the face of ``driver`` and save what the avatar would do. Raises CommandError.
 
-    Stopped with Ctrl-C, it keeps the track up to there under the name of an unfinished one, so that an older one stays as
-    it is, and returns INTERRUPTED.
+    Stopped with Ctrl-C, it keeps the track up to there under the name of an unfinished one, so that an older one stays
+    as it is, and returns INTERRUPTED.
     """
     source = open_source(driver, rate)
     keep_inputs([out, rule.sheet], [*files_of(driver), rule.picture, avatar])

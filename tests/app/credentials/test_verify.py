@@ -50,6 +50,18 @@ def test_a_changed_file_says_so(signed: Path, capsys: pytest.CaptureFixture[str]
     assert code == 6
     assert said["State"].startswith("ALTERED")
     assert "mismatch" in said["Because"]
+    assert said["Signed by"].startswith("the key of this computer (self-signed")
+
+
+def test_a_changed_signature_is_nobodys(signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content = bytearray(signed.read_bytes())
+    padding = bytes(64)  # before it
+    content[content.rindex(padding) + len(padding) + 10] ^= 1
+    signed.write_bytes(content)
+    code, said = told(capsys, signed)
+    assert code == 6
+    assert "claimSignature.mismatch" in said["Because"]
+    assert "Signed by" not in said
 
 
 def test_an_unsigned_file_says_so(tmp_path: Path, signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
