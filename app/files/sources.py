@@ -1,9 +1,10 @@
 """Drivers: video files, folders of images, numbered sequences and single pictures, all as frames with timestamps."""
 
 import glob
+import hashlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Protocol
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...models.picturefile import decode_picture
 from ...models.videopicture import LONGEST_SIDE
-from ...models.wholefile import open_ordinary
+from ...models.wholefile import file_sha256, open_ordinary
 from ..errors import InputError
 from .frames import Frame, spread
 from .video import VideoFile, check_sides
@@ -146,6 +147,12 @@ def files_of(driver: str) -> list[Path]:
     if os.path.isdir(path):
         return [path, *_pictures_in(path)] if os.access(path, os.R_OK | os.X_OK) else [path]
     return [path] if os.path.isfile(path) else _sequence(path)
+
+
+def files_sha256(files: Iterable[Path]) -> str:
+    """One for all of these files: of their own, in hexadecimal and one behind the other; folders among them are passed
+    over. Raises OSError."""
+    return hashlib.sha256("".join(file_sha256(file) for file in files if file.is_file()).encode()).hexdigest()
 
 
 def _pictures_in(folder: Path) -> list[Path]:

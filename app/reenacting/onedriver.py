@@ -25,7 +25,7 @@ from ..files.leftovers import take_over
 from ..files.outputs import is_video
 from ..files.recipes import recipe_of
 from ..files.sinks import TIMES_FILE, FolderSink, Sink, VideoSink
-from ..files.sources import Source, files_of, open_source
+from ..files.sources import Source, files_of, files_sha256, open_source
 from ..files.video import VideoFile
 from ..live import Image, Stage, perform, run_offline
 from ..performing.casting import Avatar, expression_of
@@ -86,7 +86,7 @@ class OneDriver:
         gem = cast.avatar.gem
         stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
         extra = beside_width(source.size, wish.size[1]) if source and wish.side_by_side else 0
-        papers = papers_of(cast, wish, driver, beside=extra > 0)
+        papers = papers_of(cast, wish, driver)
         try:
             with nullcontext() if is_video(self._result) else claimed_folder(self._result):
                 self._draw(performance, stage, source, papers, extra)
@@ -186,19 +186,21 @@ def ingredients(driver: str | None, cast: Cast, wish: Wish) -> dict[str, str]:
     OSError where the driver cannot be read."""
     return {
         "avatar": cast.avatar.sha256,
-        "driver": _sha256(files_of(driver)) if driver else "",
+        "driver": files_sha256(files_of(driver)) if driver else "",
         "track": file_sha256(wish.track) if wish.track else "",
         "rule": wish.neutral.settled(),
         **wish.settings(),
     }
 
 
-def papers_of(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) -> Papers:
+def papers_of(cast: Cast, wish: Wish, driver: str | None) -> Papers:
     """What is signed into a result."""
     if cast.signer is None:
         return Papers(None, Statement((), driver_of(None, None)))
     told = driver_of(driver, wish.track, wish.name_driver)
-    return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside))
+    along = driver_of(driver, None, wish.name_driver) if driver and wish.track else None
+    beside = wish.side_by_side and driver is not None
+    return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside, along))
 
 
 def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
@@ -212,8 +214,3 @@ def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
         if frame.pts * source.time_base != pts * track.time_base:
             raise InputError(f"{source.path}: its times are not those of the track; {cure}")
         yield frame, pose, pts
-
-
-def _sha256(files: Iterable[Path]) -> str:
-    """Of all that is in these files, in their order; folders among them are passed over."""
-    return hashlib.sha256("".join(file_sha256(file) for file in files if file.is_file()).encode()).hexdigest()

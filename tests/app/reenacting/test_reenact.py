@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.cli import main
+from gemheads.app.credentials.reading import read_credentials
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import Source, open_source
 from gemheads.app.library import DEMO_CLIP
@@ -158,8 +160,13 @@ def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) 
     assert play(tiny, "--track", track, "-o", again) == 0
     assert times(again) == times(out)
     assert np.array_equal(pictures(again), pictures(out))
-    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side") == 0
+    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side", "--name-driver") == 0
     assert sound(beside) == sound(clip)
+    if find_spec("c2pa"):
+        said = read_credentials(beside)
+        assert said.ours is not None
+        assert said.source_type == "compositeWithTrainedAlgorithmicMedia"
+        assert said.ours["along"] == {"kind": "video", "sha256": file_sha256(clip), "name": "talk.mp4"}
     assert main(["export", str(tiny), "-o", str(tmp_path / "ply"), "--track", str(track)]) == 0
     assert len(list((tmp_path / "ply").glob("frame_*.ply"))) == len(VARIABLE)
 
