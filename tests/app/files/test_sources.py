@@ -369,3 +369,22 @@ def test_a_torn_video_gives_what_can_be_read(make_clip: Clip) -> None:
     data = clip.read_bytes()
     clip.write_bytes(data[: len(data) * 2 // 3])
     assert 5 < len(list(open_source(str(clip)).frames())) < 60
+
+
+def _begun_late(clip: Path, secs: int) -> Path:
+    """The same file as if its fragments had been cut from a stream that has run so long."""
+    content = bytearray(clip.read_bytes())
+    scale = struct.unpack_from(">I", content, content.find(b"mdhd") + 16)[0]
+    at = -1
+    while (at := content.find(b"tfdt", at + 1)) >= 0:
+        (time,) = struct.unpack_from(">Q", content, at + 8)
+        struct.pack_into(">Q", content, at + 8, time + secs * scale)
+    clip.write_bytes(content)
+    return clip
+
+
+def test_fragments_of_a_running_stream_begin_at_zero_and_a_late_first_picture_stays_late(make_clip: Clip) -> None:
+    assert [f.pts for f in VideoFile(make_clip(pts=(2002, 3003, 4004))).frames()] == [2002, 3003, 4004]
+    source = VideoFile(_begun_late(make_clip("cut.mp4", pts=tuple(range(0, 30030, 1001)), flags="empty_moov"), 3600))
+    assert [f.pts for f in source.frames()] == list(range(0, 30030, 1001))
+    assert source.frame_count == 30
