@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.picturefile import decode_picture
+from ...models.picturefile import decode_picture, is_animation
 from ...models.videopicture import LONGEST_SIDE
 from ...models.wholefile import file_sha256, open_ordinary
 from ..errors import InputError
@@ -104,10 +104,13 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         with open_ordinary(path) as (file, size):
             if size > MAX_PICTURE_BYTES:
                 raise InputError(f"{path}: larger than {MAX_PICTURE_BYTES >> 20} MB; convert it to JPEG")
-            image = decode_picture(file.read(size))
+            content = file.read(size)
     except OSError as error:
         said = error.strerror or error
         raise InputError(f"{path}: cannot be read ({said}); check the path and its permissions") from error
+    if is_animation(content):
+        raise InputError(f"{path}: is an animation, of which one picture would be read; convert it to mp4")
+    image = decode_picture(content)
     if image is None:
         raise InputError(f"{path}: is not a picture that can be decoded; convert it to PNG or JPEG")
     check_sides(path, (image.shape[1], image.shape[0]))

@@ -388,3 +388,16 @@ def test_fragments_of_a_running_stream_begin_at_zero_and_a_late_first_picture_st
     source = VideoFile(_begun_late(make_clip("cut.mp4", pts=tuple(range(0, 30030, 1001)), flags="empty_moov"), 3600))
     assert [f.pts for f in source.frames()] == list(range(0, 30030, 1001))
     assert source.frame_count == 30
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.webp"])
+def test_an_animation_is_no_picture(tmp_path: Path, name: str) -> None:
+    path, animation = tmp_path / name, cv2.Animation()
+    animation.frames = [np.full((32, 32, 3), shade, np.uint8) for shade in (40, 200)]
+    animation.durations = [40, 40]
+    _, content = cv2.imencodeanimation(path.suffix, animation)
+    path.write_bytes(content.tobytes())
+    with pytest.raises(InputError, match="is an animation, of which one picture would be read; convert it to mp4"):
+        open_source(str(path))
+    assert cv2.imwrite(str(path), animation.frames[0])
+    assert open_source(str(path)).size == (32, 32)
