@@ -9,7 +9,7 @@ import av
 import cv2
 import numpy as np
 import pytest
-from av.video.reformatter import Colorspace
+from av.video.reformatter import ColorRange, Colorspace
 from gemheads.app.errors import InputError
 from gemheads.app.files.frames import spread
 from gemheads.app.files.sources import open_source
@@ -401,3 +401,19 @@ def test_an_animation_is_no_picture(tmp_path: Path, name: str) -> None:
         open_source(str(path))
     assert cv2.imwrite(str(path), animation.frames[0])
     assert open_source(str(path)).size == (32, 32)
+
+
+@pytest.mark.parametrize(("name", "transfer", "signal"), [("pq.mp4", 16, 0.5807), ("hlg.mp4", 18, 0.75)])
+def test_white_of_high_dynamic_range_is_white(tmp_path: Path, name: str, transfer: int, signal: float) -> None:
+    """ITU-R BT.2408 says at which signal it is."""
+    with av.open(str(tmp_path / name), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"qp": "0"})
+        stream.width, stream.height, stream.pix_fmt = 64, 64, "yuv420p10le"
+        codec = stream.codec_context
+        codec.colorspace, codec.color_primaries, codec.color_trc, codec.color_range = 9, 9, transfer, ColorRange.MPEG
+        frame = av.VideoFrame(64, 64, "yuv420p10le")
+        for plane, level in zip(frame.planes, (round(64 + 876 * signal), 512, 512), strict=True):
+            plane.update(np.full((plane.height, plane.line_size // 2), level, np.uint16).tobytes())
+        container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    assert next(VideoFile(tmp_path / name).frames()).rgb.min() >= 253
