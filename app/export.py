@@ -12,6 +12,7 @@ from ..models.posing import pose_head
 from ..models.wholefile import file_sha256
 from ..render.gaussians import RawGaussians
 from .errors import InputError, UsageError, cannot_write
+from .files.claim import claimed_folder
 from .files.leftovers import take_over
 from .files.outputs import keep_inputs
 from .performing.casting import check_components, check_track, open_avatar
@@ -47,11 +48,13 @@ def export_track(avatar: Path, track: Path, out: Path, components: int | None = 
     check_components(opened, components)
     performance = load_track(track)
     check_track(opened, performance, track)
-    take_over(out, ".ply", {"avatar": opened.sha256, "track": file_sha256(track), "components": str(components)})
-    try:
-        save_ply_sequence((_shown(opened.gem, pose, components) for pose in performance.poses), out)
-    except OSError as error:
-        raise cannot_write(out, error) from error
+    made_of = {"avatar": opened.sha256, "track": file_sha256(track), "components": str(components)}
+    with claimed_folder(out):
+        take_over(out, ".ply", made_of)
+        try:
+            save_ply_sequence((_shown(opened.gem, pose, components) for pose in performance.poses), out)
+        except OSError as error:
+            raise cannot_write(out, error) from error
 
 
 def read_weights(words: list[str]) -> NDArray[np.float32]:

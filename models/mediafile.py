@@ -11,11 +11,15 @@ from typing import Any
 
 import av
 
+from .movieheader import fragments_say_when
+
 CONTAINERS = (
     *("mov", "matroska", "webm", "avi", "mpegts", "mpeg", "mpegvideo", "flv", "ogg", "asf", "gif", "ivf", "mjpeg"),
     *("h264", "hevc", "m4v", "obu", "yuv4mpegpipe", "wav", "mp3", "aac", "flac"),
 )
 """FFmpeg's names of what is read; everything in them lies within the file."""
+_LOCAL = "file:"
+"""The protocol of what lies on this machine."""
 MAX_PIXELS = 2**25
 """8K; a larger picture is an error of the decoder, which may hold some twenty of them."""
 MAX_RATE = 1000
@@ -27,7 +31,7 @@ def open_media(path: Path) -> Any:
     """An opened container of PyAV, to be closed by the caller. Raises av.error.FFmpegError and OSError."""
     options = {"protocol_whitelist": "file", "format_whitelist": ",".join(CONTAINERS)}
     # a name with a colon, such as 10:30.mp4, would else begin with the protocol to be spoken
-    container = av.open(f"file:{path}", options=options, metadata_errors="replace")
+    container = av.open(f"{_LOCAL}{path}", options=options, metadata_errors="replace")
     for stream in container.streams.video:
         if stream.codec_context is not None:
             stream.codec_context.options = {"max_pixels": str(MAX_PIXELS)}
@@ -58,7 +62,9 @@ def rate_of(stream: Any) -> Fraction:
 def duration_of(container: Any, stream: Any) -> Fraction | None:
     """Seconds of a stream; Matroska, WebM and FLV tell it of the whole file alone. None where nobody does."""
     if stream.duration and stream.time_base:
-        return Fraction(stream.duration * stream.time_base)
+        length = Fraction(stream.duration * stream.time_base)
+        before = start_of(container) if _is_movie(container) else Fraction(0)  # which is counted there
+        return length - before if length > before else length
     return Fraction(container.duration, av.time_base) if container.duration else None
 
 
@@ -66,11 +72,19 @@ def start_of(container: Any) -> Fraction:
     """Where the clock of a file begins, in seconds, at least 0.
 
     That of a transport stream or of what was cut from a broadcast begins anywhere. MP4 and MOV have a timeline of their
-    own: there a late first picture is meant to be late.
+    own: there a late first picture is meant to be late, but in fragments of a running stream.
     """
-    if "mov" in container.format.name.split(",") or not container.start_time:
+    if not container.start_time or (_is_movie(container) and not fragments_say_when(_path_of(container))):
         return Fraction(0)
     return Fraction(max(0, container.start_time), av.time_base)
+
+
+def _is_movie(container: Any) -> bool:
+    return "mov" in container.format.name.split(",")
+
+
+def _path_of(container: Any) -> Path:
+    return Path(container.name.removeprefix(_LOCAL))
 
 
 def pixel_aspect_of(stream: Any) -> Fraction:

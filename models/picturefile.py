@@ -32,6 +32,15 @@ def decode_picture(data: bytes, flags: int = cv2.IMREAD_COLOR_RGB) -> NDArray[np
     return _on_white(picture) if laid and picture is not None and picture.shape[2:] == (4,) else picture
 
 
+def is_animation(data: bytes) -> bool:
+    """Whether a PNG or WebP holds several pictures, of which ``decode_picture`` makes one: the PNG says how many before
+    the first of them, the WebP in the header of what it extends that there are such."""
+    if data.startswith(_PNG):
+        said = next(((kind, at) for kind, at in _chunks(data) if kind in (b"acTL", b"IDAT")), None)
+        return said is not None and said[0] == b"acTL" and struct.unpack_from(">I", data, said[1] + 8)[0] > 1
+    return data[:4] == b"RIFF" and data[8:16] == b"WEBPVP8X" and len(data) > 20 and bool(data[20] & 0x02)
+
+
 def _has_alpha(data: bytes) -> bool:
     """A PNG says so by its kind of colour, grey or RGB with alpha, or names a transparent colour or shade; a WebP in
     the header of what it extends or, without loss, of its one picture."""

@@ -7,6 +7,8 @@ import numpy as np
 from av.video.reformatter import Colorspace
 from numpy.typing import NDArray
 
+from .highrange import as_srgb, is_no_srgb
+
 LONGEST_SIDE = 1920
 """Larger pictures are scaled down while they are converted: the face networks look at crops of 256 pixels."""
 _UNSAID = 2
@@ -19,13 +21,16 @@ def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) ->
     ``pixel_aspect``: width over height of the stored pixels; those that are returned are square.
     """
     _guess_colours(picture)
+    transfer, primaries = picture.color_trc, picture.color_primaries
+    kind = "rgb48le" if is_no_srgb(transfer, primaries) else "rgb24"
     matrix = _display_matrix(picture)
     width = float(picture.width * pixel_aspect)
     scale = min(1.0, LONGEST_SIDE / max(width, picture.height))
     size = max(1, round(width * scale)), max(1, round(picture.height * scale))
     if size != (picture.width, picture.height):
-        picture = picture.reformat(*size, "rgb24")
-    rgb = np.asarray(picture.to_ndarray(format="rgb24"), np.uint8)
+        picture = picture.reformat(*size, kind)
+    rgb = picture.to_ndarray(format=kind)
+    rgb = as_srgb(rgb, transfer, primaries) if rgb.dtype == np.uint16 else np.asarray(rgb, np.uint8)
     return rgb if matrix is None else displayed(rgb, matrix)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ...models.wholefile import file_sha256
 from ..errors import CommandError, OutputError
-from ..files.sources import IMAGE_SUFFIXES
+from ..files.sources import IMAGE_SUFFIXES, files_of, files_sha256
 from .reading import read_credentials
 from .signing import Signer
 from .statement import Driver, Statement
@@ -55,14 +55,16 @@ class Papers:
 
 
 def driver_of(driver: str | None, track: Path | None, named: bool = False) -> Driver:
-    """What may be told of a driver; ``named``: its file's name too. The whole file is read for its hash."""
+    """What may be told of a driver, a track before all else; ``named``: its file's name too. All of it is read for its
+    hash."""
     file = track or (Path(driver) if driver else None)
     pictured = file is None or not file.is_file() or file.suffix.lower() in IMAGE_SUFFIXES
     kind = "track" if track else "pictures" if pictured else "video"
     name = os.fsencode(file.name).decode("utf-8", "replace") if named and file else ""
-    if file is None or not file.is_file():
+    files = [one for one in files_of(str(file)) if one.is_file()] if file else []
+    if not files:
         return Driver(kind, name=name)
     try:
-        return Driver(kind, file_sha256(file), name)
+        return Driver(kind, file_sha256(files[0]) if files == [file] else files_sha256(files), name)
     except OSError:  # it was read a moment ago; without its hash the rest still holds
         return Driver(kind, name=name)

@@ -13,6 +13,8 @@ from .statement import LABEL
 
 UNTRUSTED = "signingCredential.untrusted"
 """Said of every signer that is on no list: ours too, and it does not mean that the file was changed."""
+TRUSTED, VALIDATED = "signingCredential.trusted", "claimSignature.validated"
+"""Said of a signer that is on the list, and of a signature that is this signer's, whatever became of the file since."""
 _KINDS = ", ".join(KINDS)
 
 
@@ -22,6 +24,7 @@ class Verdict:
 
     state: Literal["intact", "altered", "none"]
     signer: str = ""
+    """Whose signature it is; empty where the signature itself was changed, and could be anybody's."""
     own: bool = False
     """Whether the key of this computer signed."""
     generator: str = ""
@@ -75,7 +78,10 @@ def _own_root() -> str:
 
 
 def _verdict(state: str | None, active: Mapping[str, Any], checks: Mapping[str, Any]) -> Verdict:
-    failures = [item for item in _table(checks, "activeManifest").get("failure", []) if item.get("code") != UNTRUSTED]
+    told = _table(checks, "activeManifest")
+    holds = {item.get("code") for item in told.get("success", [])}
+    failures = [item for item in told.get("failure", []) if item.get("code") != UNTRUSTED]
+    signs = VALIDATED in holds
     signature, generators = _table(active, "signature_info"), active.get("claim_generator_info") or [{}]
     assertions = {item.get("label"): item.get("data") for item in active.get("assertions", [])}
     actions = assertions.get("c2pa.actions.v2") or assertions.get("c2pa.actions") or {}
@@ -83,8 +89,8 @@ def _verdict(state: str | None, active: Mapping[str, Any], checks: Mapping[str, 
     ours = assertions.get(LABEL)
     return Verdict(
         state="intact" if state in ("Valid", "Trusted") and not failures else "altered",
-        signer=plain(str(signature.get("issuer") or signature.get("common_name") or "nobody")),
-        own=state == "Trusted",
+        signer=plain(str(signature.get("issuer") or signature.get("common_name") or "nobody")) if signs else "",
+        own={TRUSTED, VALIDATED} <= holds,
         generator=plain(" ".join(str(generators[0].get(key, "")) for key in ("name", "version"))).strip(),
         source_type=plain(next((kind.rsplit("/", 1)[-1] for kind in types if kind), "")),
         ours=ours if isinstance(ours, dict) else None,

@@ -1,6 +1,6 @@
 """What a result says about itself, and how C2PA wants to have it said."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any
 
@@ -24,7 +24,8 @@ class Driver:
     kind: str
     """video, pictures, track or live."""
     sha256: str = ""
-    """Of the file's bytes: whoever has the file can prove that it was this one, nobody else learns anything."""
+    """Of the file's bytes, or of many (``files_sha256``): whoever has them can prove that it was these, nobody else
+    learns anything."""
     name: str = ""
     """Of the file; only when asked for."""
 
@@ -40,6 +41,8 @@ class Statement:
     """Why no badge was drawn; empty where there is one."""
     beside: bool = False
     """Whether the driver's picture is seen too."""
+    along: Driver | None = None
+    """What was given beside a track: its sound is heard, and its picture may be seen."""
 
 
 def manifest(statement: Statement) -> dict[str, Any]:
@@ -47,7 +50,6 @@ def manifest(statement: Statement) -> dict[str, Any]:
     generator = {"name": "gemheads", "version": metadata.version("gemheads")}
     names = ", ".join(origin.name for origin in statement.origins) or "an avatar"
     badge = {"drawn": False, "reason": statement.no_badge} if statement.no_badge else {"drawn": True}
-    driver = {"kind": statement.driver.kind, "sha256": statement.driver.sha256, "name": statement.driver.name}
     made = {
         "action": "c2pa.created",
         "digitalSourceType": WITH_DRIVER if statement.beside else AVATAR_ALONE,
@@ -56,9 +58,11 @@ def manifest(statement: Statement) -> dict[str, Any]:
     ours = {
         "statement": SENTENCE,
         "avatars": [origin.as_json() for origin in statement.origins],
-        "driver": {key: text for key, text in driver.items() if text},
+        "driver": _told(statement.driver),
         "badge": badge,
     }
+    if statement.along is not None:
+        ours["along"] = _told(statement.along)
     return {
         "claim_generator_info": [generator],
         "title": f"{names}, computer-made",
@@ -67,3 +71,7 @@ def manifest(statement: Statement) -> dict[str, Any]:
             {"label": LABEL, "kind": "Json", "data": ours},
         ],
     }
+
+
+def _told(driver: Driver) -> dict[str, str]:
+    return {key: text for key, text in asdict(driver).items() if text}

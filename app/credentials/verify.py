@@ -59,11 +59,22 @@ def _ours(ours: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         about = avatar if isinstance(avatar, dict) else {}
         for key in ("name", "licence", "consent"):
             yield ("Avatar" if key == "name" else key.capitalize()), _text(about.get(key))
-    driver, badge = (value if isinstance(value := ours.get(key), dict) else {} for key in ("driver", "badge"))
+    for key, label in (("driver", "Driver"), ("along", "Along")):
+        if key == "driver" or key in ours:
+            yield label, _driver(_table(ours, key))
+    badge = _table(ours, "badge")
+    yield "Badge", "drawn" if badge.get("drawn") is True else f"left out: {_text(badge.get('reason'))}"
+
+
+def _driver(driver: Mapping[str, Any]) -> str:
     told = [_text(driver[key]) for key in ("kind", "name") if key in driver]
     told += [f"sha256 {_text(driver['sha256'])}"] if "sha256" in driver else []
-    yield "Driver", ", ".join(told) or "not told"
-    yield "Badge", "drawn" if badge.get("drawn") is True else f"left out: {_text(badge.get('reason'))}"
+    return ", ".join(told) or "not told"
+
+
+def _table(ours: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = ours.get(key)
+    return value if isinstance(value, dict) else {}
 
 
 def _text(value: object) -> str:

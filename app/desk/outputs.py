@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 
 from ..credentials.origin import origin_of
@@ -10,7 +9,7 @@ from ..performing.casting import Avatar
 from ..senders.fan import Fan
 from ..senders.folder import made
 from ..senders.oscout import CoefficientsOut
-from ..senders.recording import RECORDING_DEPTH, Recording, open_recording, recording_name
+from ..senders.recording import RECORDING_DEPTH, Recording, recording_in
 from ..senders.snapshot import Snapshot
 from ..senders.virtualcamera import open_virtual_camera
 from .actions import Order
@@ -92,5 +91,4 @@ class Outputs:
             self.fan.start(label, CoefficientsOut)
 
     def _recording(self, transparent: bool, sound: bool) -> Recording:
-        path = recording_name(made(self._folder()), transparent, datetime.now())
-        return open_recording(path, self._size, self._rate, transparent, sound)
+        return recording_in(made(self._folder()), self._size, self._rate, transparent, sound)

@@ -46,7 +46,7 @@ _WORDS: dict[SourcePhase, tuple[str, str]] = {
     "idle": ("Looking for you.", "Come back into the picture."),
 }
 """To somebody in front of a camera."""
-_NO_FACE = ("No face is seen here.", "Choose what shows a face from the front, a tenth of the picture high or more.")
+_NO_FACE = ("No face is seen here.", "Choose what shows one from the front, an eighth of the longer side high or more.")
 _START_SENDER = "Start the sender, and give it this address; for another device, listen at 0.0.0.0:PORT instead."
 _log = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from ...models.wholefile import write_whole
 from ..errors import OutputError, cannot_write
 
 _FRAME = re.compile(r"frame_\d{6,}")
-_TORN = re.compile(r"\.frame_\d{6,}\.\w+\.\d+\.partial")
+_TORN = re.compile(r"\.frame_\d{6,}\.\w+\.[\d-]+\.partial")
 """What a run that was killed had begun to write."""
 
 
@@ -29,7 +29,8 @@ def take_over(
         Whether they are kept, and, where ``resume`` asked for it in vain, a sentence that says why not; else "".
 
     Raises:
-        OutputError: when it cannot be written, or holds such files that no run has noted: they may be somebody's own.
+        OutputError: when it cannot be written, or holds such files, or a list of that name, that no run has noted: they
+            may be somebody's own.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -38,16 +39,15 @@ def take_over(
                 file.unlink()
         left = [file for file in folder.iterdir() if file.suffix == suffix and _FRAME.fullmatch(file.stem)]
         former = noted(folder, suffix)
-        if left and former is None:
+        lists = [folder / name for name in index if (folder / name).exists()]
+        if former is None and (left or lists):
+            strange, cure = (min(left), f"remove its frame_*{suffix}") if left else (lists[0], "rename it")
             raise OutputError(
-                f"{folder}: holds {min(left).name}, and nothing says which run made it; choose another folder, or"
-                f" remove its frame_*{suffix}"
+                f"{folder}: holds {strange.name}, and nothing says which run made it; choose another folder, or {cure}"
             )
         if resume and former == made_of:
             return True, ""
-        for name in index:
-            (folder / name).unlink(missing_ok=True)
-        for file in left:
+        for file in (*lists, *left):
             file.unlink()
         write_whole(_note(folder, suffix), [json.dumps(dict(made_of), indent=1).encode()])
     except OSError as error:

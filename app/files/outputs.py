@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import OutputError, UsageError
+from .recipes import recipe_in
 from .sinks import FRAME_NAME, VIDEO_SUFFIXES, partial_name
 
 
@@ -59,6 +60,19 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
             raise UsageError(f"{out}: would be written over {read[0]}, which is read; choose another name")
         if any(taken.setdefault(name, out) is not out for name in names):
             raise UsageError(f"{out}: two results would have this name; choose another one")
+
+
+def keep_strangers(outs: Iterable[Path]) -> None:
+    """Sees that no video is written over which no run made: for results whose names nobody typed.
+
+    Raises OutputError, naming it.
+    """
+    for out in outs:
+        if is_video(out) and _is_there(out) and not recipe_in(out):
+            raise OutputError(
+                f"{out}: is there already, and nothing in it says that a run made it; choose another folder, or rename"
+                " it (--resume passes it by)"
+            )
 
 
 def _is_there(path: Path) -> bool:

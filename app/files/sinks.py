@@ -4,6 +4,7 @@ import errno
 import io
 import os
 import re
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
@@ -12,13 +13,15 @@ from typing import Any, Protocol
 
 import av
 import numpy as np
+from av.video.frame import PictureType
 from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 from numpy.typing import NDArray
 
 from ...models.mediafile import open_media
-from ...models.wholefile import behind_links, marked, settle, write_whole
+from ...models.wholefile import behind_links, marked, write_whole
 from ..errors import OutputError, UsageError
 from .audio import AudioCopy
+from .claim import open_claimed
 from .recipes import KEY
 
 Image = NDArray[np.uint8]
@@ -33,6 +36,10 @@ _OPTIONS = {
     "libvpx-vp9": {"deadline": "realtime", "cpu-used": "8", "crf": "24", "b": "0", "row-mt": "1"},
     "prores_ks": {"profile": "4444"},
 }
+FRAGMENT_SECS = 1
+"""A key frame begins each fragment: after this time, as rates are claims, and live pictures come when they come."""
+_MOST_BETWEEN = 600
+"""Pictures from key frame to key frame, which MPEG-4 part 2 takes no more of."""
 _BT709 = 1
 """The number of matrix, primaries and transfer in H.273: all of these encoders can write it, and players assume it of
 large pictures that say nothing."""
@@ -88,7 +95,8 @@ class VideoSink:
         recipe: str = "",
     ) -> None:
         """``audio`` names a file whose first sound track is copied beside the pictures, or adds a track of its own to
-        the opened container; ``recipe`` goes into the file (see ``recipes``). Raises OutputError."""
+        the opened container; ``recipe`` goes into the file (see ``recipes``). Raises OutputError, and TakenError where
+        another run is writing this result."""
         path = behind_links(path)
         self.path, self.partial = path, partial_name(path)
         suffix = path.suffix.lower()
@@ -102,10 +110,11 @@ class VideoSink:
             stream: Any = self._container.add_stream(codec, rate=rate, options=_OPTIONS.get(codec, {}))
         stream.width, stream.height, stream.pix_fmt = *size, pixels
         stream.time_base = stream.codec_context.time_base = time_base
-        stream.codec_context.gop_size = max(1, round(rate))  # one fragment a second
+        stream.codec_context.gop_size = _MOST_BETWEEN
         stream.codec_context.thread_count = min(4, os.cpu_count() or 1)
         _name_colours(stream.codec_context)
         self._stream, self._time_base, self._count = stream, time_base, 0
+        self._key_seconds: Fraction | None = None
         self._pixels, self._reformatter = pixels, VideoReformatter()
         self._audio: Sound | None = None
         if audio is not None:
@@ -119,31 +128,40 @@ class VideoSink:
         """Encode one picture and the sound up to it."""
         frame = self._converted(image)
         frame.pts, frame.time_base = pts, self._time_base
+        seconds = pts * self._time_base
+        if self._key_seconds is None or seconds >= self._key_seconds + FRAGMENT_SECS:
+            self._key_seconds, frame.pict_type = seconds, PictureType.I
         with _told(self.partial), self._file.checked():
             for packet in self._stream.encode(frame):
                 self._container.mux(packet)
             if self._audio:
-                self._audio.copy_until(float(pts * self._time_base))
+                self._audio.copy_until(float(seconds))
         self._count += 1
 
     def close(self, whole: bool) -> None:
         """Flush. Sound beyond the last picture is copied only when the result is whole."""
         with _told(self.partial):
-            with self._file.checked():
-                try:
-                    if self._count:
-                        for packet in self._stream.encode():
-                            self._container.mux(packet)
-                    if self._audio:
-                        self._audio.close(whole)
-                finally:
+            try:
+                with self._file.checked():
                     try:
-                        self._container.close()
+                        if self._count:
+                            for packet in self._stream.encode():
+                                self._container.mux(packet)
+                        if self._audio:
+                            self._audio.close(whole)
                     finally:
-                        self._file.close()
-            if whole:
-                settle(self.partial)
-                self.partial.replace(self.path)
+                        self._container.close()
+                if whole:
+                    self._name()
+            finally:
+                self._file.close()
+
+    def _name(self) -> None:
+        """What is on the disk gets its final name while it is still this run's: nobody begins another in between."""
+        os.fsync(self._file.fileno())
+        if sys.platform == "win32":  # which names only what is closed
+            self._file.close()
+        self.partial.replace(self.path)
 
     def _converted(self, image: Image) -> av.VideoFrame:
         """Luma and chroma by the matrix that the file names, in limited range."""
@@ -157,10 +175,11 @@ class VideoSink:
 
 
 class _WatchedFile(io.FileIO):
-    """Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes, and names it otherwise later."""
+    """This run's alone. Remembers what went wrong: FFmpeg forgets it when it happens to the last bytes, and names it
+    otherwise later."""
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, "w")
+        super().__init__(path, "w", opener=open_claimed)
         self._trouble: OSError | None = None
 
     def write(self, data: Any, /) -> int:

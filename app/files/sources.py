@@ -1,9 +1,10 @@
 """Drivers: video files, folders of images, numbered sequences and single pictures, all as frames with timestamps."""
 
 import glob
+import hashlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Protocol
@@ -12,9 +13,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.picturefile import decode_picture
+from ...models.picturefile import decode_picture, is_animation
 from ...models.videopicture import LONGEST_SIDE
-from ...models.wholefile import open_ordinary
+from ...models.wholefile import file_sha256, open_ordinary
 from ..errors import InputError
 from .frames import Frame, spread
 from .video import VideoFile, check_sides
@@ -103,10 +104,13 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         with open_ordinary(path) as (file, size):
             if size > MAX_PICTURE_BYTES:
                 raise InputError(f"{path}: larger than {MAX_PICTURE_BYTES >> 20} MB; convert it to JPEG")
-            image = decode_picture(file.read(size))
+            content = file.read(size)
     except OSError as error:
         said = error.strerror or error
         raise InputError(f"{path}: cannot be read ({said}); check the path and its permissions") from error
+    if is_animation(content):
+        raise InputError(f"{path}: is an animation, of which one picture would be read; convert it to mp4")
+    image = decode_picture(content)
     if image is None:
         raise InputError(f"{path}: is not a picture that can be decoded; convert it to PNG or JPEG")
     check_sides(path, (image.shape[1], image.shape[0]))
@@ -146,6 +150,12 @@ def files_of(driver: str) -> list[Path]:
     if os.path.isdir(path):
         return [path, *_pictures_in(path)] if os.access(path, os.R_OK | os.X_OK) else [path]
     return [path] if os.path.isfile(path) else _sequence(path)
+
+
+def files_sha256(files: Iterable[Path]) -> str:
+    """One for all of these files: of their own, in hexadecimal and one behind the other; folders among them are passed
+    over. Raises OSError."""
+    return hashlib.sha256("".join(file_sha256(file) for file in files if file.is_file()).encode()).hexdigest()
 
 
 def _pictures_in(folder: Path) -> list[Path]:

@@ -9,10 +9,14 @@ HEAD_SHARE = 0.64
 """The head's part of the picture's height."""
 HEAD_MIDDLE = 0.45
 """Where the middle of the head lies, from the top, as a part of the height: room for the shoulders below."""
+BELOW_HEADS = (1 - HEAD_MIDDLE) / HEAD_SHARE
+"""From the middle of the head down to the lower side of the picture, in heights of the head, always: not far below
+that busts end."""
 FIELD_OF_VIEW_DEG = 18.0
 """Vertical: a long lens, which leaves noses their size."""
 NARROWEST = 0.8
-"""Pictures narrower than this part of their height show a smaller head instead of cutting its sides off."""
+"""Pictures narrower than this part of their height show a smaller head instead of cutting its sides off; the room that
+this leaves is above it."""
 MOST_PITCH_DEG = 89.0
 """Right above a head no side of the picture is up."""
 
@@ -23,6 +27,6 @@ def portrait(viewing: Viewing, width: int, height: int, yaw_deg: float = 0.0, pi
     picture_height = viewing.head_height / share
     distance = picture_height / 2 / tan(radians(FIELD_OF_VIEW_DEG) / 2)
     x, y, z = viewing.target
-    target = (x, y - (0.5 - HEAD_MIDDLE) * picture_height, z)
+    target = (x, y - BELOW_HEADS * viewing.head_height + picture_height / 2, z)
     pitch_deg = min(MOST_PITCH_DEG, max(-MOST_PITCH_DEG, pitch_deg))
     return orbit(target, distance, yaw_deg, pitch_deg, FIELD_OF_VIEW_DEG, width, height)

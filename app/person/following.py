@@ -81,6 +81,8 @@ class Memory:
     thumbnail: NDArray[np.float32] | None = None
     box: Box | None = None
     """Where the followed face was last seen."""
+    new_scene: bool = False
+    """Whether nobody was seen since the last cut: what is below is of the scene before, and held until somebody is."""
     expression: Smoothed | None = None
     """Coefficients away from the rest expression, in units of sigma."""
     turn: Smoothed | None = None
@@ -118,8 +120,10 @@ def look(tracker: Tracker, before: Memory, frame: Frame) -> tuple[Memory, Look]:
     cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
     if cut:
         tracker.reset()
-        before = replace(before, box=None, expression=None, turn=None, misread=None, counted_at=-FACES_EVERY_SECS)
+        before = replace(before, box=None, new_scene=True, counted_at=-FACES_EVERY_SECS)
     face = tracker.track(frame.rgb, locked_box(before, dt))
+    if face is not None and before.new_scene:
+        before = replace(before, expression=None, turn=None, misread=None, new_scene=False)
     attention = update(before.attention, face is not None, dt)
     return replace(before, attention=attention, seconds=now, thumbnail=view), Look(face, dt, cut)
 

@@ -135,7 +135,8 @@ def _between(source: Source, tracker: FaceTracker) -> tuple[list[Frame], list[Fa
                 break
     if not faces:
         raise NoFaceError(
-            f"{source.path}: no face in the whole clip; give one where a face fills a tenth of the height or more"
+            f"{source.path}: no face in the whole clip; give one where a face is at least as high as an eighth of the"
+            " picture's longer side"
         )
     return frames, faces
 

@@ -3,6 +3,7 @@
 import hashlib
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import zip_longest
@@ -18,12 +19,13 @@ from ..credentials.papers import Papers, driver_of
 from ..credentials.signing import Signer
 from ..credentials.statement import Statement
 from ..errors import InputError, NoFaceError
+from ..files.claim import claimed_folder
 from ..files.frames import Frame
 from ..files.leftovers import take_over
 from ..files.outputs import is_video
 from ..files.recipes import recipe_of
 from ..files.sinks import TIMES_FILE, FolderSink, Sink, VideoSink
-from ..files.sources import Source, files_of, open_source
+from ..files.sources import Source, files_of, files_sha256, open_source
 from ..files.video import VideoFile
 from ..live import Image, Stage, perform, run_offline
 from ..performing.casting import Avatar, expression_of
@@ -81,13 +83,25 @@ class OneDriver:
         source = open_source(driver, wish.rate) if driver else None
         performance = self._performance(source)
         self._bar.say_once(origin_of(cast.avatar).said())
-        timing = cast.track or source
-        assert timing is not None
-        width, height = wish.size
-        extra = beside_width(source.size, height) if source and wish.side_by_side else 0
         gem = cast.avatar.gem
         stage = Stage(gem, cast.engine, portrait(gem.viewing, *wish.size), wish.background, self.watch, wish.components)
-        papers = papers_of(cast, wish, driver, beside=extra > 0)
+        extra = beside_width(source.size, wish.size[1]) if source and wish.side_by_side else 0
+        papers = papers_of(cast, wish, driver)
+        try:
+            with nullcontext() if is_video(self._result) else claimed_folder(self._result):
+                self._draw(performance, stage, source, papers, extra)
+            self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
+        finally:
+            self.seconds = time.perf_counter() - self._started
+
+    def _draw(
+        self, performance: Iterable[_Shot], stage: Stage, source: Source | None, papers: Papers, extra: int
+    ) -> None:
+        """The pictures; ``extra`` columns of them show the driver."""
+        wish = self._wish
+        timing = self._cast.track or source
+        assert timing is not None
+        width, height = wish.size
         sink = self._sink((width + extra, height), timing.time_base, timing.rate, source, papers)
         self.left = sink.partial
         self._bar.begin(self._result.name, timing.frame_count)
@@ -96,16 +110,12 @@ class OneDriver:
             picture = side_by_side(frame.rgb, picture, extra) if extra and frame else picture
             return picture if wish.no_badge else badged(picture)
 
-        try:
-            run_offline(performance, stage, finish, sink, self._tell)
-            if isinstance(source, VideoFile) and source.left_out:
-                self._bar.say(
-                    f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
-                    " of it, convert it to mp4"
-                )
-            self.credentials = papers.sign(self._result) if is_video(self._result) else papers.said
-        finally:
-            self.seconds = time.perf_counter() - self._started
+        run_offline(performance, stage, finish, sink, self._tell)
+        if isinstance(source, VideoFile) and source.left_out:
+            self._bar.say(
+                f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
+                " of it, convert it to mp4"
+            )
 
     def _performance(self, source: Source | None) -> Iterable[_Shot]:
         if self._cast.track is not None:
@@ -176,19 +186,21 @@ def ingredients(driver: str | None, cast: Cast, wish: Wish) -> dict[str, str]:
     OSError where the driver cannot be read."""
     return {
         "avatar": cast.avatar.sha256,
-        "driver": _sha256(files_of(driver)) if driver else "",
+        "driver": files_sha256(files_of(driver)) if driver else "",
         "track": file_sha256(wish.track) if wish.track else "",
         "rule": wish.neutral.settled(),
         **wish.settings(),
     }
 
 
-def papers_of(cast: Cast, wish: Wish, driver: str | None, beside: bool = False) -> Papers:
+def papers_of(cast: Cast, wish: Wish, driver: str | None) -> Papers:
     """What is signed into a result."""
     if cast.signer is None:
         return Papers(None, Statement((), driver_of(None, None)))
     told = driver_of(driver, wish.track, wish.name_driver)
-    return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside))
+    along = driver_of(driver, None, wish.name_driver) if driver and wish.track else None
+    beside = wish.side_by_side and driver is not None
+    return Papers(cast.signer, Statement((origin_of(cast.avatar),), told, wish.no_badge, beside, along))
 
 
 def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
@@ -202,8 +214,3 @@ def _paired(track: Track, source: Source) -> Iterator[tuple[Frame, Pose, int]]:
         if frame.pts * source.time_base != pts * track.time_base:
             raise InputError(f"{source.path}: its times are not those of the track; {cure}")
         yield frame, pose, pts
-
-
-def _sha256(files: Iterable[Path]) -> str:
-    """Of all that is in these files, in their order; folders among them are passed over."""
-    return hashlib.sha256("".join(file_sha256(file) for file in files if file.is_file()).encode()).hexdigest()

@@ -20,7 +20,7 @@ from ..errors import (
     lacks_room,
     no_way_to,
 )
-from ..files.outputs import is_video, keep_inputs, plan_outputs
+from ..files.outputs import is_video, keep_inputs, keep_strangers, plan_outputs
 from ..files.places import check_places
 from ..files.resuming import made_of_the_same
 from ..files.sinks import is_whole, video_codec
@@ -54,6 +54,8 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         [*(result for _, result in jobs), *sheets, report],
         [*(file for driver in drivers for file in files_of(driver)), wish.neutral.picture, wish.avatar, wish.track],
     )
+    if len(jobs) > 1 and not wish.resume:
+        keep_strangers(result for _, result in jobs)
     check_places(report, *sheets)
     outcomes: list[Outcome] = []
     failure: BaseException | None = None

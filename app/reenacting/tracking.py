@@ -9,6 +9,7 @@ from ...models.driver.face import FaceTracker
 from ..errors import ExitCode, NoFaceError
 from ..files.outputs import keep_inputs
 from ..files.places import check_places
+from ..files.sinks import partial_name
 from ..files.sources import files_of, open_source
 from ..live import perform
 from ..performing.casting import Driving, expression_of, open_avatar
@@ -27,7 +28,8 @@ def run_tracking(
 ) -> ExitCode:
     """Follow the face of ``driver`` and save what the avatar would do. Raises CommandError.
 
-    Stopped with Ctrl-C, it keeps the track up to there and returns INTERRUPTED.
+    Stopped with Ctrl-C, it keeps the track up to there under the name of an unfinished one, so that an older one stays
+    as it is, and returns INTERRUPTED.
     """
     source = open_source(driver, rate)
     keep_inputs([out, rule.sheet], [*files_of(driver), rule.picture, avatar])
@@ -58,6 +60,8 @@ def run_tracking(
             raise NoFaceError(f"{driver}: no face in any frame, so there is nothing to keep; check the clip")
         pts_array = np.array(times, np.int64)
         track = Track(cast.gem.name, cast.sha256, source.time_base, source.rate, pts_array, tuple(poses))
-        save_track(track, out)
-        bar.say(f"{out}: {tally.frames} frames, {tally.without_face} of them without a face")
+        kept = partial_name(out) if code else out
+        save_track(track, kept)
+        stopped = "stopped after " if code else ""
+        bar.say(f"{kept}: {stopped}{tally.frames} frames, {tally.without_face} of them without a face")
     return code

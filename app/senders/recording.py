@@ -11,6 +11,7 @@ from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
 from ..credentials.statement import Driver, Statement
 from ..errors import OutputError, UsageError
+from ..files.claim import TakenError
 from ..files.sinks import FolderSink, Sink, VideoSink
 from .fitting import Size, even, fitted
 from .microphone import Microphone
@@ -52,7 +53,8 @@ class Recording:
             note: what the person has to know beside the status.
 
         Raises:
-            OutputError: when it cannot be written, or is there already.
+            OutputError: when it cannot be written.
+            TakenError: when it is there already, or somebody else is writing it.
             UsageError: when this kind of file cannot keep alpha, or sound.
         """
         self.path = path
@@ -117,7 +119,7 @@ class Recording:
 
     def _opened(self, transparent: bool) -> Sink:
         if self.path.exists():
-            raise OutputError(f"{self.path}: is there already; a recording never overwrites, choose another name")
+            raise TakenError(f"{self.path}: is there already; a recording never overwrites, choose another name")
         if not self.path.suffix:
             if self._microphone is not None:
                 raise UsageError(f"{self.path}: PNGs hold no sound; turn the microphone off, or name a video")
@@ -156,6 +158,19 @@ def open_recording(path: Path, size: Size, rate: int, transparent: bool = False,
     except OutputError as error:
         return Recording(path, size, rate, transparent, note=f"without sound: {error}")
     return Recording(path, size, rate, transparent, sound)
+
+
+def recording_in(folder: Path, size: Size, rate: int, transparent: bool = False, microphone: bool = False) -> Recording:
+    """A Recording that begins now, under a name of its own in ``folder``, whatever other windows record meanwhile.
+
+    Raises OutputError and UsageError like ``Recording``.
+    """
+    while True:
+        path = recording_name(folder, transparent, datetime.now())
+        try:
+            return open_recording(path, size, rate, transparent, microphone)
+        except TakenError:  # by another window, a moment ago: the next name is free
+            continue
 
 
 def recording_name(folder: Path, transparent: bool, now: datetime) -> Path:

@@ -35,10 +35,11 @@ def make_clip(tmp_path: Path) -> Clip:
         rotation: int = 0,
         pixel_aspect: Fraction = Fraction(1),
         options: dict[str, str] | None = None,
+        flags: str = "delay_moov",
     ) -> Path:
         path = tmp_path / name
         if path.suffix == ".mp4":
-            options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": str(time_base.denominator)}
+            options = {"movflags": f"frag_keyframe+{flags}", "movie_timescale": str(time_base.denominator)}
         with av.open(str(path), "w", options=options or {}) as container:
             stream = container.add_stream("mpeg4", rate=30, options={"qscale": "2"})
             stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"

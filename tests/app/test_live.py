@@ -187,6 +187,14 @@ def test_a_cut_looks_anew_and_does_not_smear() -> None:
     assert first_sigmas(poses)[5] == pytest.approx(1)
 
 
+def test_a_flash_holds_what_was_there() -> None:
+    dark, white = np.full((48, 64, 3), 30, np.uint8), np.full((48, 64, 3), 255, np.uint8)
+    poses = play(ScriptedTracker([face(jaw=1.0)] * 5 + [None] + [face(jaw=1.0)] * 5), [dark] * 5 + [white] + [dark] * 5)
+    assert [pose.cut for pose in poses] == [False] * 5 + [True] * 2 + [False] * 4
+    assert poses[5].phase is Phase.HOLD
+    assert first_sigmas(poses) == pytest.approx(1)
+
+
 def test_what_is_not_finite_keeps_the_last_good_expression() -> None:
     poses = play(ScriptedTracker([face(jaw=1.0)] * 10 + [face(jaw=float("nan"))] * 3))
     assert first_sigmas(poses)[10:] == pytest.approx(first_sigmas(poses)[9])

@@ -1,5 +1,6 @@
 """What ``gemheads verify`` says, and its exit codes."""
 
+import hashlib
 import os
 import sys
 from pathlib import Path
@@ -50,6 +51,18 @@ def test_a_changed_file_says_so(signed: Path, capsys: pytest.CaptureFixture[str]
     assert code == 6
     assert said["State"].startswith("ALTERED")
     assert "mismatch" in said["Because"]
+    assert said["Signed by"].startswith("the key of this computer (self-signed")
+
+
+def test_a_changed_signature_is_nobodys(signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    content = bytearray(signed.read_bytes())
+    padding = bytes(64)  # before it
+    content[content.rindex(padding) + len(padding) + 10] ^= 1
+    signed.write_bytes(content)
+    code, said = told(capsys, signed)
+    assert code == 6
+    assert "claimSignature.mismatch" in said["Because"]
+    assert "Signed by" not in said
 
 
 def test_an_unsigned_file_says_so(tmp_path: Path, signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,6 +119,22 @@ def test_a_driver_is_told_by_the_hash_of_its_bytes_and_by_name_only_when_asked(t
     assert driver_of(str(tmp_path), None) == Driver("pictures")
     picture = file.rename(tmp_path / "face.PNG")
     assert driver_of(str(picture), None) == Driver("pictures", sha256)
+
+
+def test_many_pictures_are_told_by_the_hash_of_their_hashes(tmp_path: Path) -> None:
+    for number in (10, 9):
+        (tmp_path / f"shot_{number}.png").write_bytes(str(number).encode())
+    joined = "".join(hashlib.sha256(content).hexdigest() for content in (b"9", b"10"))  # in the order they are read
+    sha256 = hashlib.sha256(joined.encode()).hexdigest()
+    for driver in (tmp_path, tmp_path / "shot_%d.png", tmp_path / "shot_*.png"):
+        assert driver_of(str(driver), None, named=True) == Driver("pictures", sha256, driver.name)
+
+
+def test_a_video_that_came_along_with_a_track_is_told_too(signed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    statement = Statement((), Driver("track", "ab"), beside=True, along=Driver("video", "cd", "talk.mp4"))
+    Signer().sign(signed, statement)
+    said = told(capsys, signed)[1]
+    assert (said["Driver"], said["Along"]) == ("track, sha256 ab", "video, talk.mp4, sha256 cd")
 
 
 def test_a_track_beside_its_video_is_the_driver(tmp_path: Path) -> None:

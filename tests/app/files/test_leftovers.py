@@ -57,8 +57,17 @@ def test_frames_that_nobody_noted_are_never_removed(tmp_path: Path, resume: bool
     assert seen(tmp_path) == ["frame_000001.png", "times.csv"]
 
 
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_list_that_nobody_noted_is_never_removed(tmp_path: Path, resume: bool) -> None:
+    (tmp_path / "times.csv").write_bytes(b"mine")
+    with pytest.raises(OutputError, match=r"holds times\.csv, and nothing says which run made it; choose .* rename it"):
+        take_over(tmp_path, ".png", MADE_OF, resume, ["times.csv"])
+    assert (tmp_path / "times.csv").read_bytes() == b"mine"
+
+
 def test_what_a_killed_run_had_begun_to_write_is_removed(tmp_path: Path) -> None:
-    leave(tmp_path, "frame_000000.png", ".frame_000001.png.4711.partial", ".frame_1.png.4711.partial", ".cover.partial")
+    torn = ".frame_000001.png.4711-140072.partial"
+    leave(tmp_path, "frame_000000.png", torn, ".frame_1.png.4711.partial", ".cover.partial")
     assert take_over(tmp_path, ".png", MADE_OF, resume=True) == (True, "")
     hidden = {file.name for file in tmp_path.iterdir()}
     assert hidden == {"frame_000000.png", ".made-of.png.json", ".frame_1.png.4711.partial", ".cover.partial"}

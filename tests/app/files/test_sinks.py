@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from av.video.reformatter import ColorRange, Colorspace
 from gemheads.app.errors import OutputError, UsageError
+from gemheads.app.files.claim import TakenError, claimed_folder
 from gemheads.app.files.sinks import FolderSink, VideoSink, is_whole, video_codec
 from gemheads.app.files.video import VideoFile
 
@@ -75,6 +76,30 @@ def test_an_unfinished_video_has_a_partial_name_and_plays(tmp_path: Path) -> Non
     assert len(read_times(tmp_path / "out.partial.mp4")) == len(VARIABLE)
 
 
+def test_a_result_that_another_run_is_writing_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "out.mp4"
+    first = VideoSink(path, (96, 64), BASE, Fraction(30), False, None)
+    with pytest.raises(TakenError, match=r"out\.partial\.mp4: another run is writing it; wait for that, or choose"):
+        VideoSink(path, (96, 64), BASE, Fraction(30), False, None)
+    write(first, VARIABLE)
+    assert len(read_times(path)) == len(VARIABLE)
+    write(VideoSink(path, (96, 64), BASE, Fraction(30), False, None), VARIABLE[:2], whole=False)
+    write(VideoSink(path, (96, 64), BASE, Fraction(30), False, None), VARIABLE[:3])  # what a run left is taken over
+    assert len(read_times(path)) == 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="folders are not locked there")
+def test_a_folder_that_another_run_is_writing_into_is_left_alone(tmp_path: Path) -> None:
+    with (
+        claimed_folder(tmp_path / "out"),
+        pytest.raises(TakenError, match="another run is writing into it"),
+        claimed_folder(tmp_path / "out"),
+    ):
+        pass
+    with claimed_folder(tmp_path / "out"):
+        pass
+
+
 def test_no_table_says_where_fragments_are(tmp_path: Path) -> None:
     """What signs a file moves them, and players that believe the table find nothing."""
     sink = VideoSink(tmp_path / "out.mp4", (96, 64), BASE, Fraction(30), False, None)
@@ -93,6 +118,23 @@ def test_a_killed_run_leaves_all_but_the_last_second(tmp_path: Path) -> None:
     copy.write_bytes((tmp_path / "out.partial.mp4").read_bytes())  # what a killed process leaves on disk
     sink.close(False)
     assert len(read_times(copy)) >= 30
+
+
+@pytest.mark.parametrize(("name", "encoder"), [("h.mp4", "libx264"), ("m.mp4", "mpeg4"), ("v.webm", "libvpx-vp9")])
+@pytest.mark.parametrize(("rate", "step"), [(1000, 1001), (30, 7500), (1, 1001)])
+def test_a_fragment_begins_each_second_whatever_the_rate_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, encoder: str, rate: int, step: int
+) -> None:
+    monkeypatch.setattr("gemheads.app.files.sinks.has_encoder", lambda codec: codec == encoder)
+    path = tmp_path / name
+    sink = VideoSink(path, (96, 64), BASE, Fraction(rate), False, None)
+    for index, pts in enumerate(range(0, 4 * 30000, step)):
+        sink.write(index, picture(90), pts)
+    sink.close(True)
+    with av.open(str(path)) as container:
+        keys = [float(p.pts * p.time_base) for p in container.demux(video=0) if p.size and p.is_keyframe]
+    assert np.diff(keys) == pytest.approx(1, abs=0.04)
+    assert len(keys) == 4
 
 
 @pytest.mark.parametrize(("name", "decoder"), [("out.mov", "prores"), ("out.webm", "libvpx-vp9")])

@@ -9,7 +9,7 @@ import av
 import cv2
 import numpy as np
 import pytest
-from av.video.reformatter import Colorspace
+from av.video.reformatter import ColorRange, Colorspace
 from gemheads.app.errors import InputError
 from gemheads.app.files.frames import spread
 from gemheads.app.files.sources import open_source
@@ -369,3 +369,51 @@ def test_a_torn_video_gives_what_can_be_read(make_clip: Clip) -> None:
     data = clip.read_bytes()
     clip.write_bytes(data[: len(data) * 2 // 3])
     assert 5 < len(list(open_source(str(clip)).frames())) < 60
+
+
+def _begun_late(clip: Path, secs: int) -> Path:
+    """The same file as if its fragments had been cut from a stream that has run so long."""
+    content = bytearray(clip.read_bytes())
+    scale = struct.unpack_from(">I", content, content.find(b"mdhd") + 16)[0]
+    at = -1
+    while (at := content.find(b"tfdt", at + 1)) >= 0:
+        (time,) = struct.unpack_from(">Q", content, at + 8)
+        struct.pack_into(">Q", content, at + 8, time + secs * scale)
+    clip.write_bytes(content)
+    return clip
+
+
+def test_fragments_of_a_running_stream_begin_at_zero_and_a_late_first_picture_stays_late(make_clip: Clip) -> None:
+    assert [f.pts for f in VideoFile(make_clip(pts=(2002, 3003, 4004))).frames()] == [2002, 3003, 4004]
+    source = VideoFile(_begun_late(make_clip("cut.mp4", pts=tuple(range(0, 30030, 1001)), flags="empty_moov"), 3600))
+    assert [f.pts for f in source.frames()] == list(range(0, 30030, 1001))
+    assert source.frame_count == 30
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.webp"])
+def test_an_animation_is_no_picture(tmp_path: Path, name: str) -> None:
+    path, animation = tmp_path / name, cv2.Animation()
+    animation.frames = [np.full((32, 32, 3), shade, np.uint8) for shade in (40, 200)]
+    animation.durations = [40, 40]
+    _, content = cv2.imencodeanimation(path.suffix, animation)
+    path.write_bytes(content.tobytes())
+    with pytest.raises(InputError, match="is an animation, of which one picture would be read; convert it to mp4"):
+        open_source(str(path))
+    assert cv2.imwrite(str(path), animation.frames[0])
+    assert open_source(str(path)).size == (32, 32)
+
+
+@pytest.mark.parametrize(("name", "transfer", "signal"), [("pq.mp4", 16, 0.5807), ("hlg.mp4", 18, 0.75)])
+def test_white_of_high_dynamic_range_is_white(tmp_path: Path, name: str, transfer: int, signal: float) -> None:
+    """ITU-R BT.2408 says at which signal it is."""
+    with av.open(str(tmp_path / name), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"qp": "0"})
+        stream.width, stream.height, stream.pix_fmt = 64, 64, "yuv420p10le"
+        codec = stream.codec_context
+        codec.colorspace, codec.color_primaries, codec.color_trc, codec.color_range = 9, 9, transfer, ColorRange.MPEG
+        frame = av.VideoFrame(64, 64, "yuv420p10le")
+        for plane, level in zip(frame.planes, (round(64 + 876 * signal), 512, 512), strict=True):
+            plane.update(np.full((plane.height, plane.line_size // 2), level, np.uint16).tobytes())
+        container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    assert next(VideoFile(tmp_path / name).frames()).rgb.min() >= 253

@@ -27,6 +27,12 @@ def test_a_narrow_picture_keeps_the_whole_width_of_the_head() -> None:
     assert 0.78 * height_px < 300  # heads are about three quarters as wide as high
 
 
+@pytest.mark.parametrize("size", [(540, 960), (400, 900), (512, 512), (960, 540)])
+def test_no_picture_shows_more_of_the_bust_than_a_square_does(size: tuple[int, int]) -> None:
+    """Below .9 heights of the head the busts of the shipped avatars fray."""
+    assert row_of(portrait(VIEWING, *size), 0.02 - 0.86 * 0.26) == pytest.approx(size[1], abs=1.5)
+
+
 def test_yaw_turns_the_camera_about_the_head() -> None:
     centre = portrait(VIEWING, 512, 512, yaw_deg=30).center
     assert centre[0] > 0.1

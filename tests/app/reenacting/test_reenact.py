@@ -6,20 +6,26 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import av
 import cv2
 import numpy as np
 import pytest
 from gemheads.app.cli import main
+from gemheads.app.credentials.reading import read_credentials
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import Source, open_source
 from gemheads.app.library import DEMO_CLIP
+from gemheads.app.live import perform
 from gemheads.app.performing.performance import Pose
-from gemheads.app.performing.tracks import Track, save_track
+from gemheads.app.performing.tracks import Track, load_track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
 from gemheads.models.wholefile import file_sha256
 from waiting import eventually
@@ -98,6 +104,22 @@ def test_a_driver_is_not_written_over_by_the_result_of_another(tiny: Path, clip:
     assert clip.read_bytes() == other.read_bytes()
 
 
+def test_several_drivers_write_over_no_video_that_no_run_made(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    drivers = [clip.rename(own / "talk.mov"), own / "b.mov"]
+    drivers[1].write_bytes(drivers[0].read_bytes())
+    (precious := own / "talk.mp4").write_bytes(drivers[0].read_bytes())
+    assert play(tiny, *drivers, "-o", own) == ExitCode.OUTPUT
+    assert "talk.mp4: is there already, and nothing in it says that a run made it" in capsys.readouterr().err
+    assert precious.read_bytes() == drivers[0].read_bytes()
+    precious.unlink()
+    for _ in range(2):  # results are written over by results
+        assert play(tiny, *drivers, "-o", own) == ExitCode.OK
+
+
 def test_tracking_that_is_stopped_before_the_first_frame_says_so(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -112,6 +134,24 @@ def test_tracking_that_is_stopped_before_the_first_frame_says_so(
     assert "stopped before the first frame; nothing was written" in capsys.readouterr().err
 
 
+def test_tracking_that_is_stopped_leaves_an_older_track_as_it_is(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*words: Any) -> Iterator[Any]:
+        yield from islice(perform(*words), 3)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gemheads.app.reenacting.tracking.perform", stopped)
+    track = tmp_path / "t.safetensors"
+    track.write_bytes(b"of before")
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == ExitCode.INTERRUPTED
+    assert track.read_bytes() == b"of before"
+    left = tmp_path / "t.partial.safetensors"
+    assert f"{left}: stopped after 3 frames, 0 of them without a face" in capsys.readouterr().err
+    assert load_track(left).frame_count == 3
+
+
 def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) -> None:
     track, out, again, beside = (tmp_path / name for name in ("t.safetensors", "a.mp4", "b.mp4", "c.mp4"))
     words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
@@ -120,8 +160,13 @@ def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) 
     assert play(tiny, "--track", track, "-o", again) == 0
     assert times(again) == times(out)
     assert np.array_equal(pictures(again), pictures(out))
-    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side") == 0
+    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side", "--name-driver") == 0
     assert sound(beside) == sound(clip)
+    if find_spec("c2pa"):
+        said = read_credentials(beside)
+        assert said.ours is not None
+        assert said.source_type == "compositeWithTrainedAlgorithmicMedia"
+        assert said.ours["along"] == {"kind": "video", "sha256": file_sha256(clip), "name": "talk.mp4"}
     assert main(["export", str(tiny), "-o", str(tmp_path / "ply"), "--track", str(track)]) == 0
     assert len(list((tmp_path / "ply").glob("frame_*.ply"))) == len(VARIABLE)
 

@@ -12,7 +12,7 @@ import pytest
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.files.video import VideoFile
 from gemheads.app.senders.outlet import Image, Marks, Shown
-from gemheads.app.senders.recording import Recording, open_recording, recording_name
+from gemheads.app.senders.recording import Recording, open_recording, recording_in, recording_name
 
 SIZE = (96, 64)
 
@@ -195,6 +195,18 @@ def test_names_are_of_the_moment_and_not_taken(tmp_path: Path) -> None:
     first.with_name("gemheads-2026-03-04-050607.partial.mp4").touch()  # one that was killed
     assert recording_name(tmp_path, False, now).name == "gemheads-2026-03-04-050607-2.mp4"
     assert recording_name(tmp_path, True, now).suffix == ".mov"
+
+
+def test_two_windows_of_one_second_record_into_two_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = recording_in(tmp_path, SIZE, 30)
+    names = iter([first.path, tmp_path / "next.mp4"])  # the second looked before the first had begun
+    monkeypatch.setattr("gemheads.app.senders.recording.recording_name", lambda *_: next(names))
+    second = recording_in(tmp_path, SIZE, 30)
+    for recording, count in ((first, 2), (second, 3)):
+        for number in range(count):
+            recording.send(Shown(picture(90), number / 30))
+        recording.close()
+        assert len(read(recording.path)[0]) == count
 
 
 def test_a_folder_that_cannot_be_written_says_so(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.models.driver import points
-from gemheads.models.driver.detector import overlap
+from gemheads.models.driver.detector import LEAST_FACE, overlap
 from gemheads.models.driver.face import FaceObservation, FaceTracker
 from gemheads.models.driver.features import head_rotation
 from numpy.typing import NDArray
@@ -47,6 +47,20 @@ def test_nobody_is_none_and_the_face_comes_back(tracker: FaceTracker, frames: Fr
     assert tracker.track(np.full_like(frames[0], 127)) is None
     assert tracker.track(np.random.default_rng(0).integers(0, 255, frames[0].shape, np.uint8)) is None
     assert seen(tracker.track(frames[1])).faces == 1
+
+
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (720, 1280)])
+def test_a_face_is_seen_from_an_eighth_of_the_longer_side_on(
+    tracker: FaceTracker, frames: Frames, width: int, height: int
+) -> None:
+    top, bottom = seen(tracker.track(frames[0])).box_px[1::2]
+    scale = LEAST_FACE * max(width, height) / (bottom - top)
+    small = cv2.resize(frames[0], None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    for left in (0, (width - small.shape[1]) // 2):
+        picture = np.full((height, width, 3), 120, np.uint8)
+        picture[200 : 200 + small.shape[0], left : left + small.shape[1]] = small
+        tracker.reset()
+        seen(tracker.track(picture))
 
 
 def test_a_face_that_jumps_is_found_in_the_same_picture(tracker: FaceTracker, frames: Frames) -> None:
