@@ -29,8 +29,9 @@ def upright_rgb(picture: av.VideoFrame, pixel_aspect: Fraction = Fraction(1)) ->
     size = max(1, round(width * scale)), max(1, round(picture.height * scale))
     if size != (picture.width, picture.height):
         picture = picture.reformat(*size, kind)
-    rgb = picture.to_ndarray(format=kind)
-    rgb = as_srgb(rgb, transfer, primaries) if rgb.dtype == np.uint16 else np.asarray(rgb, np.uint8)
+    stored = picture.to_ndarray(format=kind)
+    wide = stored.dtype == np.uint16
+    rgb = as_srgb(np.asarray(stored, np.uint16), transfer, primaries) if wide else np.asarray(stored, np.uint8)
     return rgb if matrix is None else displayed(rgb, matrix)
 
 

@@ -23,7 +23,7 @@ PICTURE = np.full((96, 128, 3), (60, 120, 90), np.uint8)
 
 def shown(at: float, avatar: str = "a", no_badge: str = "", camera_badge: bool = False) -> Shown:
     PICTURE.flags.writeable = False
-    return Shown(PICTURE, at, None, avatar, Marks(no_badge, camera_badge, ORIGINS))
+    return Shown(PICTURE, at, None, avatar, Marks(no_badge, camera_badge, origins=ORIGINS))
 
 
 def pictures(path: Path) -> list[np.ndarray]:
