@@ -115,7 +115,7 @@ class ClosedLoop:
             return network.bounded(network.moved(start, ways)).numpy()
 
     def _missed(self, free: Tensor, start: Tensor, rows: Tensor | slice, one: int) -> Tensor:
-        """[B] what weights [B, E], not clipped yet, cost that begin at ``start`` and shall follow ``rows`` of moments."""
+        """[B] what weights [B, E], not clipped yet, cost that begin at ``start`` and shall follow moments ``rows``."""
         network, wanted = self._network, self._wanted[rows]
         bounded = network.bounded(free)
         # a weight outside its bounds keeps a little gradient, or it would never come back
