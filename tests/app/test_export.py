@@ -110,3 +110,12 @@ def test_an_avatar_called_like_a_result_is_kept(tiny: Path, tmp_path: Path) -> N
         (tmp_path / name).write_bytes(tiny.read_bytes())
         assert main([command, str(tmp_path / name), "-o", str(tmp_path / name)]) == ExitCode.USAGE
         assert (tmp_path / name).read_bytes() == tiny.read_bytes()
+
+
+def test_a_track_is_not_put_into_a_folder_that_is_called_like_one_file(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "a.ply"
+    assert main(["export", str(tiny), "--track", str(tmp_path / "t"), "-o", str(out)]) == ExitCode.USAGE
+    assert "a.ply: with --track it is a folder of .ply files; name one" in capsys.readouterr().err
+    assert not out.exists()
