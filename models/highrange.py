@@ -12,10 +12,10 @@ WHITE_NITS = 203
 """Of white paper in such pictures (ITU-R BT.2408)."""
 _HLG_NITS, _HLG_GAMMA = 1000, 1.2
 """Of the display that HLG is told for (ITU-R BT.2100), and how much more than light of the scene it shows."""
-_WEIGHTS = np.float32([[0.2627, 0.6780, 0.0593]])
+_WEIGHTS = np.array([[0.2627, 0.6780, 0.0593]], np.float32)
 """Of red, green and blue in the luminance of BT.2020."""
-_TO_BT709 = np.float32(
-    [[1.660491, -0.587641, -0.072850], [-0.124550, 1.132900, -0.008349], [-0.018151, -0.100579, 1.118730]]
+_TO_BT709 = np.array(
+    [[1.660491, -0.587641, -0.072850], [-0.124550, 1.132900, -0.008349], [-0.018151, -0.100579, 1.118730]], np.float32
 )
 _STEPS = 4096
 
@@ -41,17 +41,17 @@ def _pq_light(signal: NDArray[np.float64]) -> NDArray[np.float32]:
     """SMPTE ST 2084, in units of white."""
     root = signal ** (1 / 78.84375)
     nits = 10000 * (np.maximum(root - 0.8359375, 0) / (18.8515625 - 18.6875 * root)) ** (1 / 0.1593017578125)
-    return np.float32(nits / WHITE_NITS)
+    return (nits / WHITE_NITS).astype(np.float32)
 
 
 def _hlg_light(signal: NDArray[np.float64]) -> NDArray[np.float32]:
     """Light of the scene of ARIB STD-B67, in [0, 1]."""
     a, b, c = 0.17883277, 0.28466892, 0.55991073
-    return np.float32(np.where(signal <= 0.5, signal**2 / 3, (np.exp((signal - c) / a) + b) / 12))
+    return np.where(signal <= 0.5, signal**2 / 3, (np.exp((signal - c) / a) + b) / 12).astype(np.float32)
 
 
 def _srgb_light(signal: NDArray[np.float64]) -> NDArray[np.float32]:
-    return np.float32(np.where(signal <= 0.04045, signal / 12.92, ((signal + 0.055) / 1.055) ** 2.4))
+    return np.where(signal <= 0.04045, signal / 12.92, ((signal + 0.055) / 1.055) ** 2.4).astype(np.float32)
 
 
 def _srgb_signal(light: NDArray[np.float64]) -> NDArray[np.float64]:
