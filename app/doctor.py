@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from .errors import ExitCode
+from .errors import CommandError, ExitCode
 from .finding import Finding
 from .library import DEMO_CLIP, avatars
 from .reenacting.reports import versions
@@ -57,6 +57,9 @@ _OPENGL_CURE = "install OpenGL (Debian, Ubuntu: apt-get install libegl1 libgl1 l
 def _tried(what: str, check: Callable[[], str], cure: str, needed: bool = True) -> Finding:
     try:
         return Finding(what, True, check(), needed=needed)
+    except CommandError as error:  # which says how to mend it
+        detail, _, own = str(error).rpartition("; ")
+        return Finding(what, False, detail or own, own if detail else cure, needed)
     except Exception as error:  # whatever it is, the person wants to read it here
         return Finding(what, False, f"{type(error).__name__}: {error}", cure, needed)
 

@@ -43,6 +43,8 @@ def export_expression(avatar: Path, out: Path, weights: list[str], components: i
 
 def export_track(avatar: Path, track: Path, out: Path, components: int | None = None) -> None:
     """A folder of numbered PLYs, the head's pose included. Raises CommandError."""
+    if out.suffix.lower() == ".ply" and not out.is_dir():
+        raise UsageError(f"-o {out}: with --track it is a folder of .ply files; name one, or give no --track")
     keep_inputs([out], [avatar, track])
     opened = open_avatar(avatar)
     check_components(opened, components)

@@ -24,6 +24,8 @@ Image = NDArray[np.uint8]
 STEPS = 5
 """Pictures in a row: -3, -1.5, 0, 1.5 and 3 sigma."""
 GROUND = (1.0, 1.0, 1.0)
+FEW = 5
+"""Components of each modality where nobody says how many."""
 LABEL_PX = 28
 """Height of the line of text above each row."""
 MOST_PIXELS = 2**27
@@ -70,17 +72,18 @@ def modes_picture(
     return np.concatenate(rows) if rows else np.zeros((0, steps * size[0], 3), np.uint8)
 
 
-def draw_modes(path: Path, out: Path, components: int, size: tuple[int, int], engine: EngineName) -> None:
-    """Writes a PNG of the first components of each modality of an avatar, one below the other. Raises CommandError."""
+def draw_modes(path: Path, out: Path, components: int | None, size: tuple[int, int], engine: EngineName) -> None:
+    """Writes a PNG of the first components of each modality of an avatar, one below the other; None draws the first
+    FEW, as far as there are such. Raises CommandError."""
     from ..render.engines import open_engine
-    from .performing.casting import open_avatar
+    from .performing.casting import check_components, open_avatar
 
     if out.suffix.lower() != ".png":
         raise UsageError(f"-o {out}: the picture is a PNG; end its name in .png")
     keep_inputs([out], [path])
-    gem = open_avatar(path).gem
-    if components < 1:
-        raise UsageError(f"--components {components}: choose 1 or more")
+    avatar = open_avatar(path)
+    check_components(avatar, components)
+    gem, components = avatar.gem, components or FEW
     rows = sum(min(components, len(gem.bases[modality])) for modality in MODALITIES)
     wide, high = STEPS * size[0], rows * (LABEL_PX + size[1])
     if wide * high > MOST_PIXELS:

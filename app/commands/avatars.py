@@ -28,13 +28,15 @@ def info(file: str | None = None, /) -> int:
     return ExitCode.OK
 
 
-def modes(file: str, /, *, out: Out, components: Whole = 5, size: Size = "256x256", engine: EngineName = "auto") -> int:
+def modes(
+    file: str, /, *, out: Out, components: Whole | None = None, size: Size = "256x256", engine: EngineName = "auto"
+) -> int:
     """Draw what single components do, from -3 to +3 sigma (figure 3 of the paper).
 
     Args:
         file: Name of an avatar or a .gem file.
         out: The PNG to write.
-        components: How many components of each modality.
+        components: How many components of each modality. Default: the first 5.
         size: Width x height of each picture.
         engine: What draws.
     """

@@ -24,7 +24,7 @@ def reenact(
     track: Path | None = None,
     engine: EngineName = "auto",
     driver: DriverName = "learned",
-    rate: str = "30",
+    rate: str | None = None,
     no_badge: NoBadge = None,
     name_driver: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -48,16 +48,20 @@ def reenact(
         track: Play a file of `gemheads track`; a driver beside it adds its sound and picture.
         engine: What draws; auto measures once and takes the faster.
         driver: learned uses the avatar's regressor, baseline the tracker's scores directly. Not with --track.
-        rate: Frames per second of pictures, such as 25 or 30000/1001.
+        rate: Frames per second of pictures, such as 25 or 30000/1001. Default: 30.
         no_badge: Leave the SYNTHETIC badge out, and why: the reason goes into the report and the credentials.
         name_driver: Put the driver's file name into the credentials, beside the hash of its bytes.
     """
     from ..credentials.reasons import read_reason
+    from ..files.sources import have_times
     from ..library import find_avatar
     from ..person.neutrals import read_rule
     from ..reenacting.reenact import reenact as run
     from ..reenacting.wish import Wish
-    from ..words import read_colour, read_rate, read_size
+    from ..words import read_colour, read_rate, read_size, refuse
+
+    if have_times(drivers):
+        refuse("videos and tracks, which have their own times", rate=rate)
 
     wish = Wish(
         avatar=find_avatar(avatar),
@@ -70,7 +74,7 @@ def reenact(
         resume=resume,
         engine=engine,
         driving=driver,
-        rate=read_rate(rate),
+        rate=read_rate(rate or "30"),
         track=track,
         no_badge=read_reason(no_badge),
         name_driver=name_driver,
@@ -110,7 +114,7 @@ def track(
     neutral: str = "auto",
     neutral_sheet: Path | None = None,
     with_driver: Annotated[DriverName, Parameter(name="--driver")] = "learned",
-    rate: str = "30",
+    rate: str | None = None,
 ) -> int:
     """Follow a face and keep what the avatar would do, as a file for `reenact --track` and `export --track`.
 
@@ -122,12 +126,15 @@ def track(
             that camera).
         neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face.
         with_driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
-        rate: Frames per second of pictures.
+        rate: Frames per second of pictures. Default: 30.
     """
+    from ..files.sources import have_times
     from ..library import find_avatar
     from ..person.neutrals import read_rule
     from ..reenacting.tracking import run_tracking
-    from ..words import read_rate
+    from ..words import read_rate, refuse
 
+    if have_times([driver]):
+        refuse("videos, which have their own times", rate=rate)
     rule = read_rule(neutral, neutral_sheet)
-    return run_tracking(driver, Path(out), find_avatar(avatar), rule, with_driver, read_rate(rate))
+    return run_tracking(driver, Path(out), find_avatar(avatar), rule, with_driver, read_rate(rate or "30"))

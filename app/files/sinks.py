@@ -253,8 +253,15 @@ TIMES_FILE = "times.csv"
 
 
 def is_whole(path: Path) -> bool:
-    """Whether an earlier run finished this result."""
-    return path.is_file() if path.suffix.lower() in VIDEO_SUFFIXES else (path / TIMES_FILE).is_file()
+    """Whether an earlier run finished this result, and all that it wrote is still there."""
+    if path.suffix.lower() in VIDEO_SUFFIXES:
+        return path.is_file()
+    try:
+        lines = (path / TIMES_FILE).read_text("utf-8", "replace").splitlines()
+    except OSError:
+        return False
+    names = (line.partition(",")[0] for line in lines)
+    return all((path / name).is_file() for name in names if FRAME_NAME.fullmatch(name))
 
 
 def video_codec(suffix: str, transparent: bool) -> tuple[str, str]:

@@ -143,6 +143,11 @@ def open_source(driver: str, rate: Fraction = Fraction(30), longest_side: int = 
     raise InputError(f"{path}: no such file or folder; check the path")
 
 
+def have_times(drivers: Iterable[str]) -> bool:
+    """Whether all of these command-line words are videos, which have times of their own."""
+    return all(os.path.isfile(driver) and Path(driver).suffix.lower() not in IMAGE_SUFFIXES for driver in drivers)
+
+
 def files_of(driver: str) -> list[Path]:
     """What is read for a command-line word: files, after the folder that they are in; nothing where there is none, or
     where it may not be looked at."""

@@ -56,6 +56,8 @@ class Cast:
     track: Track | None
     signer: Signer | None
     """None where the extra that signs is not installed, or its key cannot be used."""
+    unsigned: str = ""
+    """Why results carry no credentials, where that is not the missing extra."""
 
 
 class OneDriver:

@@ -71,6 +71,7 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
                 started = time.perf_counter()
                 if isinstance(error, KeyboardInterrupt):
                     failure = error
+                    outcomes += [Outcome(other, str(left), "not begun") for other, left in jobs[len(outcomes) :]]
                     break
         finally:
             cast.engine.close()
@@ -111,7 +112,7 @@ def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:
     signer, trouble = open_signer()
     if trouble:
         bar.say_once(trouble)
-    return Cast(avatar, tracker, open_engine(wish.engine), track, signer)
+    return Cast(avatar, tracker, open_engine(wish.engine), track, signer, trouble)
 
 
 def _with_sheet(rule: NeutralRule, result: Path, drivers: int) -> NeutralRule:
@@ -129,7 +130,7 @@ def _outcome_of(
     if wish.resume and is_whole(result):
         kept, message, credentials = _passed_by(driver, result, cast, wish)
         if kept:
-            return replace(outcome, status="kept", message=message, credentials=credentials), None
+            return replace(outcome, status="kept", message=message, credentials=credentials or cast.unsigned), None
         bar.say(message)
     run = OneDriver(cast, wish, result, bar, started)
     status, failure = "failed", None
@@ -159,7 +160,7 @@ def _outcome_of(
             status=status,
             tally=run.tally,
             message=message,
-            credentials=run.credentials,
+            credentials=run.credentials or (cast.unsigned if status == "done" else ""),
             neutral=run.neutral,
             stages_ms=run.watch.mean_ms(),
             seconds=round(run.seconds, 3),

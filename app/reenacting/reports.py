@@ -60,7 +60,7 @@ class Outcome:
     driver: str
     output: str
     status: str
-    """done, kept (an earlier run had finished it), interrupted or failed."""
+    """done, kept (an earlier run had finished it), interrupted, failed, or not begun when another was interrupted."""
     tally: Tally = field(default_factory=Tally)
     message: str = ""
     credentials: str = ""

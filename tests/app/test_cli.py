@@ -233,7 +233,7 @@ def test_what_bench_cannot_measure(capsys: pytest.CaptureFixture[str], words: tu
         (("fit", "mara", "{picture}", "-o", "t", "--split", "val"), "--split: does nothing for pictures and videos"),
         (("fit", "mara", "{picture}", "-o", "t", "--cameras", "0"), "--cameras: does nothing for pictures"),
         (("train-regressor", "mara", "--take-over", "theo", "--steps", "5"), "--take-over trains nothing"),
-        (("modes", "mara", "-o", "m.png", "--components", "0"), "--components 0: choose 1 or more"),
+        (("modes", "mara", "-o", "m.png", "--components", "0"), "stores 50; choose from 1 to 50"),
     ],
 )
 def test_options_that_do_nothing_are_refused(

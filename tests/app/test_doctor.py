@@ -1,7 +1,7 @@
 import pytest
 from gemheads.app import doctor
 from gemheads.app.doctor import run_doctor
-from gemheads.app.errors import ExitCode
+from gemheads.app.errors import ExitCode, OutputError
 from gemheads.app.finding import Finding
 
 
@@ -43,3 +43,12 @@ def test_a_check_that_fails_does_not_stop_the_next(monkeypatch: pytest.MonkeyPat
     assert (failed.works, failed.needed, failed.detail) == (False, True, "RuntimeError: torn")
     assert names.index("face networks") < names.index("video to .mp4")
     assert all(finding.cure for finding in findings.values() if not finding.works)
+
+
+def test_what_says_its_own_cure_is_told_with_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    def damaged() -> str:
+        raise OutputError("key.pem: holds no signing key; delete it, and the next result makes a new one")
+
+    finding = doctor._tried("content credentials", damaged, "pip install it", needed=False)
+    assert finding.detail == "key.pem: holds no signing key"
+    assert finding.cure == "delete it, and the next result makes a new one"

@@ -125,3 +125,12 @@ def test_components_that_an_avatar_lacks_are_refused(
         code, error = refused(capsys, "export", avatar, "-o", tmp_path / "a.ply", "--components", "99")
         assert code == ExitCode.USAGE
         assert cure in error
+
+
+def test_a_track_is_not_put_into_a_folder_that_is_called_like_one_file(
+    tiny: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "a.ply"
+    assert main(["export", str(tiny), "--track", str(tmp_path / "t"), "-o", str(out)]) == ExitCode.USAGE
+    assert "a.ply: with --track it is a folder of .ply files; name one" in capsys.readouterr().err
+    assert not out.exists()

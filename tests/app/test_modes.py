@@ -71,5 +71,12 @@ def test_a_picture_is_a_png(tiny: Path, tmp_path: Path) -> None:
 
 def test_a_picture_that_nothing_opens_is_not_drawn(tiny: Path, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"20480x98976 pixels .* fewer --components or less --size"):
-        draw_modes(tiny, tmp_path / "modes.png", 9, (4096, 4096), "software")
+        draw_modes(tiny, tmp_path / "modes.png", 6, (4096, 4096), "software")
     assert not list(tmp_path.iterdir())
+
+
+def test_more_components_than_there_are_are_refused(tiny: Path, tmp_path: Path) -> None:
+    for components in (0, 7):
+        with pytest.raises(UsageError, match=rf"--components {components}: .* stores 6; choose from 1 to 6"):
+            draw_modes(tiny, tmp_path / "modes.png", components, (32, 32), "software")
+    draw_modes(tiny, tmp_path / "modes.png", None, (32, 32), "software")

@@ -8,7 +8,7 @@ BT709 = 1
 
 
 def shown(signal: tuple[float, float, float], transfer: int, primaries: int) -> list[int]:
-    return as_srgb(np.uint16([[np.round(np.multiply(signal, 65535))]]), transfer, primaries)[0, 0].tolist()
+    return as_srgb((np.array([[signal]]) * 65535).round().astype(np.uint16), transfer, primaries)[0, 0].tolist()
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ def test_grey_is_as_bright_as_it_is_meant(transfer: int, signal: float, byte: in
 
 def test_red_of_a_screen_comes_back_from_wider_colours() -> None:
     light = np.array([0.6274, 0.0691, 0.0164])  # of BT.709's red in BT.2020, ITU-R BT.2087
-    signal = tuple(1.055 * light ** (1 / 2.4) - 0.055)
-    assert shown(signal, BT709, BT2020) == pytest.approx([255, 0, 0], abs=4)  # type: ignore[arg-type]
+    red, green, blue = (1.055 * light ** (1 / 2.4) - 0.055).tolist()
+    assert shown((red, green, blue), BT709, BT2020) == pytest.approx([255, 0, 0], abs=4)
 
 
 def test_what_most_videos_are_is_no_such() -> None:

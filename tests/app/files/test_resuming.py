@@ -104,6 +104,11 @@ def test_resuming_whole_folders_makes_anew_what_is_of_other_settings(
     assert play(tiny, clip, "-o", out, "--resume") == 0
     assert "pngs: already done" in capsys.readouterr().err
     assert (out / "frame_000000.png").stat().st_mtime_ns == first
+    (out / "frame_000003.png").unlink()
+    assert play(tiny, clip, "-o", out, "--resume") == 0
+    assert "already done" not in capsys.readouterr().err
+    assert (out / "frame_000003.png").is_file()
+    assert (out / "frame_000000.png").stat().st_mtime_ns == first
     assert play(tiny, clip, "-o", out, "--background", "green", "--resume") == 0
     assert "is of another driver, avatar or settings; made anew" in capsys.readouterr().err
     assert (out / "frame_000000.png").stat().st_mtime_ns > first

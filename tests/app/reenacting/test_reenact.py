@@ -190,6 +190,39 @@ def test_a_track_of_another_length_than_the_driver_is_told(
     assert not (tmp_path / "out.mp4").exists()
 
 
+def test_a_report_names_what_was_not_begun_and_why_results_are_not_signed(
+    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(path: str, rate: Fraction) -> Source:
+        if "other" in path:
+            raise KeyboardInterrupt
+        return open_source(path, rate)
+
+    monkeypatch.setattr("gemheads.app.reenacting.reenact.open_signer", lambda: (None, "the key is damaged"))
+    monkeypatch.setattr("gemheads.app.reenacting.onedriver.open_source", stopped)
+    others = [tmp_path / "other.mp4", tmp_path / "third.mp4"]
+    for other in others:
+        other.write_bytes(clip.read_bytes())
+    words = (clip, *others, "-o", tmp_path / "all", "--report", tmp_path / "r.json")
+    assert play(tiny, *words) == ExitCode.INTERRUPTED
+    runs = json.loads((tmp_path / "r.json").read_text())["runs"]
+    assert [run["status"] for run in runs] == ["done", "interrupted", "not begun"]
+    assert [run["credentials"] for run in runs] == ["the key is damaged", "", ""]
+
+
+def test_a_rate_is_for_pictures(tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--rate", "10") == ExitCode.USAGE
+    assert "--rate: does nothing for videos and tracks, which have their own times" in capsys.readouterr().err
+    track = tmp_path / "t.safetensors"
+    assert main(["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--rate", "10"]) == ExitCode.USAGE
+    shots = tmp_path / "shots"
+    shots.mkdir()
+    for number, shot in enumerate(pictures(clip)[:2]):
+        cv2.imwrite(str(shots / f"{number}.png"), shot[..., ::-1])
+    assert play(tiny, shots, "-o", tmp_path / "out.mp4", "--rate", "10") == 0
+    assert times(tmp_path / "out.mp4") == [0, Fraction(1, 10)]
+
+
 def test_what_nobody_foresaw_in_one_driver_does_not_stop_the_others(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
