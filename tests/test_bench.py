@@ -32,6 +32,7 @@ SMALL = {
     "film_strip": "{mara} --driver {clip} --seconds 0.2 1 -o {out}.png",
     "fit_speed": "--side 32 --frames 2 {ball}",
     "fuzz": "--inputs 2 --format gem --seed 7",
+    "known_faces": "{mara} --drivers {theo} --pictures 6",
     "learning_table": "{capture} --mesh {mesh} --run {run} --distilled {cnn} --refined {cnn} --shots 2 --network none",
     "nodding": "{mara} {theo} --faces 4",
     "pose_leak": "{mara} --heads {mara} --fov 20 --size 128",
