@@ -8,9 +8,20 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..render.compiling import FLAT, WIDE, compile_ahead
+
 Floats = NDArray[np.float32]
 _BLOCK = 4096
 """Columns that one core sums at a time: 16 kB of sums and four rows of as much stay in its nearest caches."""
+
+
+def warm() -> None:
+    """Compile what composing splats needs, or load it from disk, without running it."""
+    columns, moving = numba.types.Array(numba.int32, 1, "C"), numba.types.Array(numba.boolean, 1, "C")
+    compile_ahead(blend, FLAT, FLAT, WIDE, FLAT)
+    compile_ahead(blend_columns, FLAT, FLAT, WIDE, columns, FLAT)
+    compile_ahead(moving_columns, WIDE, moving)
+    compile_ahead(gather, WIDE, columns, WIDE)
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True)

@@ -4,6 +4,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..render.compiling import FLAT, WIDE, compile_ahead
 from ..render.gaussians import RawGaussians
 
 NECK_PIVOT = (0.0, -0.075, -0.02)
@@ -43,6 +44,11 @@ def pose_head(
     pivot = np.asarray(pivot, np.float32)
     pose_splats(raw.positions, raw.wxyz, neck_weights, pivot, turn, move, out.positions, out.wxyz)
     return out
+
+
+def warm() -> None:
+    """Compile what posing heads needs, or load it from disk, without running it."""
+    compile_ahead(pose_splats, WIDE, WIDE, FLAT, FLAT, FLAT, FLAT, WIDE, WIDE)
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True)

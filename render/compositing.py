@@ -4,6 +4,8 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .compiling import DEEP, FLAT, compile_ahead
+
 
 def over(image: NDArray[np.float32], background: ArrayLike, out: NDArray[np.uint8] | None = None) -> NDArray[np.uint8]:
     """A premultiplied picture [H, W, 4] over one colour (sRGB-encoded RGB in [0, 1]), as bytes [H, W, 3]."""
@@ -18,6 +20,11 @@ def to_rgba8(image: NDArray[np.float32]) -> NDArray[np.uint8]:
     alpha = np.clip(image[..., 3:], 0, 1)
     color = np.where(alpha > 0, image[..., :3] / np.maximum(alpha, 1e-6), 0)
     return (np.concatenate([np.clip(color, 0, 1), alpha], -1) * 255 + 0.5).astype(np.uint8)
+
+
+def warm() -> None:
+    """Compile what lays pictures over a background, or load it from disk, without running it."""
+    compile_ahead(_over, DEEP, FLAT, numba.types.Array(numba.uint8, 3, "C"))
 
 
 @numba.njit(cache=True, parallel=True)

@@ -1,14 +1,13 @@
 """The picture without a GPU: a fused tile rasteriser on all cores, of the same picture as the other engines."""
 
-import contextlib
 import time
-from typing import Any
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Camera
+from .compiling import DEEP, FLAT, WIDE, compile_ahead
 from .culling import is_sane, view_depth
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
@@ -105,20 +104,19 @@ class SoftwareEngine:
 
     def warm(self) -> None:
         """Compile every kernel, or load it from disk, without running one: safe in a thread while others draw."""
-        flat, triple, wide = (numba.types.Array(numba.float32, n, "C") for n in (1, 2, 3))
         ints, pairs = numba.types.Array(numba.int32, 2, "C"), numba.types.Array(numba.int32, 1, "C")
         ends, whole = numba.types.Array(numba.int64, 1, "C"), numba.int64
         doubles = numba.types.Array(numba.float64, 1, "C")
         signatures = (
-            (_project, (triple, triple, triple, flat, triple, triple, doubles, flat, triple, ints, doubles, whole)),
+            (_project, (WIDE, WIDE, WIDE, FLAT, WIDE, WIDE, doubles, FLAT, WIDE, ints, doubles, whole)),
             (front_to_back, (doubles, ints)),
             (count_pairs, (doubles, ints, whole, whole, ends)),
             (run_of_tiles, (ends, whole, whole)),
             (fill_pairs, (pairs, whole, ints, whole, ends, whole, whole, pairs)),
-            (_rasterise, (pairs, ends, whole, whole, triple, triple, whole, wide, whole)),
+            (_rasterise, (pairs, ends, whole, whole, WIDE, WIDE, whole, DEEP, whole)),
         )
         for kernel, types in signatures:
-            _compile(kernel, types)
+            compile_ahead(kernel, *types)
 
     def close(self) -> None:
         """Nothing to give back; every engine has it."""
@@ -131,12 +129,6 @@ class SoftwareEngine:
             self._orders = np.empty((2, splats), np.int32)
         if self._image.shape[:2] != (camera.height, camera.width):
             self._image = np.empty((camera.height, camera.width, 4), np.float32)
-
-
-def _compile(kernel: Any, types: tuple[Any, ...]) -> None:
-    # what cannot be kept, on a full disk, is compiled all the same
-    with contextlib.suppress(OSError):
-        kernel.compile(types)  # what njit returns has no type that a checker knows
 
 
 @numba.njit(cache=True, parallel=True, fastmath=_EXACT, error_model="numpy")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from . import shaders
 from .camera import Camera
+from .compiling import FLAT, WIDE, compile_ahead
 from .culling import view_depths
 from .gaussians import RawGaussians, packed
 from .projection import ALPHA_MAX, ALPHA_MIN, DILATION, NEAR, VIEW_MARGIN
@@ -95,14 +96,13 @@ class SplatRenderer:
     @staticmethod
     def warm() -> None:
         """Compile what sorts splats, or load it from disk, without running it: safe in a thread while others draw."""
-        flat, wide = (numba.types.Array(numba.float32, n, "C") for n in (1, 2))
         doubles, ints = numba.types.Array(numba.float64, 1, "C"), numba.types.Array(numba.int32, 2, "C")
         kernels: tuple[tuple[Any, tuple[Any, ...]], ...] = (
-            (view_depths, (wide, wide, wide, flat, wide, doubles, doubles)),
+            (view_depths, (WIDE, WIDE, WIDE, FLAT, WIDE, doubles, doubles)),
             (front_to_back, (doubles, ints)),
         )
         for kernel, types in kernels:
-            kernel.compile(types)
+            compile_ahead(kernel, *types)
 
     def close(self) -> None:
         """Release everything on the GPU, and the context if it is the renderer's own."""

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ...models import blend, posing
 from ...models.gem import MODALITIES
-from ...models.posing import pose_head
-from ...render.compositing import over
+from ...render import compositing
 from ...render.engines import Engine
 from ..live import NO_SHIFT
 from ..performing.casting import Avatar
@@ -207,11 +207,12 @@ class OnStage:
 def compiled(avatar: Avatar, warm: Callable[[], None]) -> None:
     """Compile what the window's thread will need for this avatar, or load it from disk: it must never wait for that.
 
-    ``warm`` does so for what draws.
+    ``warm`` does so for what draws. All is compiled before it is run, as nobody may draw meanwhile.
     """
     gem = avatar.gem
-    warm()
+    for ahead in (warm, blend.warm, posing.warm, compositing.warm):
+        ahead()
     with KERNELS:
         splats = gem.compose(gem.rest_coefficients)
-        pose_head(splats, gem.neck_weights, gem.neck_pivot, NO_SHIFT, NO_SHIFT)
-        over(np.zeros((8, 8, 4), np.float32), (0.0, 0.0, 0.0))
+        posing.pose_head(splats, gem.neck_weights, gem.neck_pivot, NO_SHIFT, NO_SHIFT)
+        compositing.over(np.zeros((8, 8, 4), np.float32), (0.0, 0.0, 0.0))
