@@ -12,6 +12,17 @@ from gemheads.app.library import DEMO_CLIP
 SIZE = ("--size", "64x64", "--engine", "software")
 
 
+def grey_clip(path: Path) -> Path:
+    """Thirty greys, 25 a second, each 8 brighter than the one before, and not stored in the order they are shown in."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        for grey in range(0, 240, 8):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
+        container.mux(stream.encode())
+    return path
+
+
 def cut_clip(path: Path, pts: Sequence[int], hidden: range = range(0)) -> Path:
     """The first frames of the demo clip with these times in 1/30000 s and a tone; in ``hidden`` nobody is seen."""
     options = {"movflags": "frag_keyframe+delay_moov", "movie_timescale": "30000"}

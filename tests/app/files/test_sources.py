@@ -16,6 +16,7 @@ from gemheads.app.files.sources import open_source
 from gemheads.app.files.video import VideoFile
 from gemheads.models.videopicture import displayed
 
+from ..clips import grey_clip
 from ..conftest import Clip
 
 VARIABLE = (0, 1001, 2500, 2501, 9000)
@@ -68,17 +69,10 @@ def test_a_mirrored_picture_is_shown_as_its_maker_saw_it(
 
 
 def test_a_container_that_says_when_pictures_are_decoded_loses_none(tmp_path: Path) -> None:
-    path = tmp_path / "clip.avi"
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=30, options={"bf": "2", "x264-params": "b-adapt=0"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        for grey in range(0, 240, 8):
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
-        container.mux(stream.encode())
-    source = open_source(str(path))
+    source = open_source(str(grey_clip(tmp_path / "clip.avi")))
     frames = list(source.frames())
     assert [round(float(frame.rgb.mean()) / 8) for frame in frames] == list(range(30))
-    assert np.diff([frame.seconds for frame in frames]) == pytest.approx(1 / 30, abs=1e-6)
+    assert np.diff([frame.seconds for frame in frames]) == pytest.approx(1 / 25, abs=1e-6)
     assert isinstance(source, VideoFile)
     assert source.left_out == 0
 
@@ -86,14 +80,7 @@ def test_a_container_that_says_when_pictures_are_decoded_loses_none(tmp_path: Pa
 @pytest.mark.parametrize("suffix", [".h264", ".avi"])
 def test_samples_have_the_times_that_the_frames_have(tmp_path: Path, suffix: str) -> None:
     """Raw streams carry none, and AVI says when pictures are decoded."""
-    path = tmp_path / f"clip{suffix}"
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        for grey in range(0, 240, 8):
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
-        container.mux(stream.encode())
-    source = open_source(str(path))
+    source = open_source(str(grey_clip(tmp_path / f"clip{suffix}")))
     frames, samples = list(source.frames()), source.samples(5)
     assert len(samples) == 5
     for sample in samples:

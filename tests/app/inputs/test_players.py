@@ -15,6 +15,7 @@ from gemheads.app.inputs.videoplayer import MOST_AT_ONCE, VideoPlayer
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.tracks import Track, save_track
 
+from ..clips import grey_clip
 from ..conftest import Clip
 from ..scripted import Clock
 
@@ -112,17 +113,6 @@ def test_how_long_a_video_is_that_does_not_tell_is_learnt_at_its_end(tmp_path: P
     frame = sought.read(0)
     assert frame is not None
     assert (frame.seconds, sought.transport.position) == (pytest.approx(29 / 25), pytest.approx(1.2))
-
-
-def grey_clip(path: Path) -> Path:
-    """Thirty greys, 25 a second."""
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
-        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
-        for grey in range(0, 240, 8):
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((64, 96, 3), grey, np.uint8), "rgb24")))
-        container.mux(stream.encode())
-    return path
 
 
 def seen_numbers(video: VideoPlayer, clock: Clock, secs: float) -> list[tuple[int, float]]:
