@@ -82,6 +82,8 @@ def draw_modes(path: Path, out: Path, components: int | None, size: tuple[int, i
         raise UsageError(f"-o {out}: the picture is a PNG; end its name in .png")
     keep_inputs([out], [path])
     avatar = open_avatar(path)
+    if not avatar.gem.components:
+        raise InputError(f"{path}: has no components, so nothing of it moves; distill it of moments that differ")
     check_components(avatar, components)
     gem, components = avatar.gem, components or FEW
     rows = sum(min(components, len(gem.bases[modality])) for modality in MODALITIES)
@@ -96,10 +98,7 @@ def draw_modes(path: Path, out: Path, components: int | None, size: tuple[int, i
         ]
     finally:
         drawer.close()
-    grid = np.concatenate(pictures)
-    if not grid.size:
-        raise InputError(f"{path}: has no components, so nothing of it moves; distill it of moments that differ")
-    write_png(badged(grid), out)
+    write_png(badged(np.concatenate(pictures)), out)
 
 
 def _label(modality: str, component: int, width: int, steps: int) -> Image:
