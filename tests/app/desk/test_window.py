@@ -210,6 +210,14 @@ def test_a_window_that_is_ended_from_outside_keeps_what_was_set(running: Running
     assert "mirror" in (tmp_path / "home" / "config" / "gemheads" / "live.toml").read_text()
 
 
+def numbers_of(script: str, display: str) -> list[int]:
+    """What a program of its own prints there."""
+    environment = {**os.environ, "DISPLAY": display}
+    command = [sys.executable, "-c", seal() + script]
+    done = subprocess.run(command, env=environment, timeout=60, check=True, capture_output=True, text=True)
+    return [int(value) for value in done.stdout.split()]
+
+
 HUGE = """
 from gemheads.app.desk.window import DeskWindow
 
@@ -221,11 +229,7 @@ desk.close()
 
 @driven
 def test_a_window_is_never_larger_than_the_screen(display: str) -> None:
-    command = [sys.executable, "-c", seal() + HUGE]
-    done = subprocess.run(
-        command, env={**os.environ, "DISPLAY": display}, timeout=60, check=True, capture_output=True, text=True
-    )
-    width, height = (int(value) for value in done.stdout.split())
+    width, height = numbers_of(HUGE, display)
     assert width <= 1280
     assert height <= 900
 
@@ -252,11 +256,7 @@ desk.close()
 
 @driven
 def test_the_clean_window_is_green_where_nothing_is(display: str) -> None:
-    command = [sys.executable, "-c", seal() + GREEN]
-    done = subprocess.run(
-        command, env={**os.environ, "DISPLAY": display}, timeout=60, check=True, capture_output=True, text=True
-    )
-    left, right = (int(value) for value in done.stdout.split())
+    left, right = numbers_of(GREEN, display)
     assert abs(left - CHROMA_GREEN[1]) <= 3
     assert right <= 3
 
