@@ -19,9 +19,10 @@ from .people import Person
 from .performance import perform
 from .refine import refined, views_of
 from .shading import Shader, make_shader
-from .soup import HAIR, SKIN, TEETH, TONGUE
+from .soup import HAIR, SKIN, TEETH, TONGUE, VEIL
 from .splats import Rider, posed
 from .teeth import opacity_logit
+from .veil import Veil
 
 Floats = NDArray[np.floating]
 
@@ -39,6 +40,8 @@ class Subject:
     person: Person
     shader: Shader
     rider: Rider
+    veil: Veil
+    """Whose splats are the last of them."""
 
     @property
     def head(self) -> Head:
@@ -51,6 +54,7 @@ class Subject:
         raw = posed(self.rider, vertices)
         logits = raw.opacity_logits.copy()
         logits[self.rider.part == TEETH] = opacity_logit(self.head.mouth_light(vertices))
+        logits[self.rider.part == VEIL] = self.veil.logits(weights)
         return replace(raw, opacity_logits=logits)
 
     def frames(self, performance: Floats) -> Iterator[RawGaussians]:
@@ -65,7 +69,7 @@ def make_subject(person: Person, ingredients: Ingredients, splats: int | None = 
     """
     head = build_head(person, ingredients)
     shader = make_shader(person, head, ingredients)
-    rider = compose(shader, ingredients, splats or person.splats, person.seed)
+    rider, veil = compose(shader, ingredients, splats or person.splats, person.seed)
     if refine:
         surface = np.flatnonzero(rider.lift == 0)
         surface = surface[np.isin(rider.part[surface], range(SKIN, SKIN + 4))]
@@ -73,7 +77,7 @@ def make_subject(person: Person, ingredients: Ingredients, splats: int | None = 
         color = rider.color.copy()
         color[surface] = refined(bare.color, views_of(shader, bare), _reach(shader, bare))
         rider = rider.colored(color)
-    return Subject(person, shader, rider)
+    return Subject(person, shader, rider, veil)
 
 
 def _reach(shader: Shader, bare: Rider) -> Floats:

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arkit import NAMES
+from .cheeks import LIFTED, lifted
 from .ingredients import Ingredients
 from .lips import hollowed
 from .maps import load_map, sample_map
-from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate
+from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vertex_normals
 from .people import Person
 from .soup import SKIN, Surface
 from .units import face_units
@@ -76,12 +78,19 @@ def cut_skin(body: Body) -> tuple[Surface, NDArray[np.int64]]:
     used, index = np.unique(base.quads[kept], return_inverse=True)
     coarse = QuadMesh(body.vertices[used], base.texture, index.reshape(-1, 4), base.texture_quads[kept])
     matrix, fine = subdivide(coarse)
+    vertices, average = matrix @ body.flesh[used], matrix @ base.vertices[used]
+    triangles = triangulate(fine.quads)
+    deltas = np.stack([matrix @ unit[used] for unit in body.units])
+    cheeks = 10 * lifted((average - body.between_eyes()) / 10, vertex_normals(vertices, triangles))
+    for name, share in LIFTED.items():
+        for side, sign in (("Left", 1), ("Right", -1)):
+            deltas[NAMES.index(name + side)] += share * cheeks * (sign * average[:, :1] > 0)
     skin = Surface(
         SKIN,
-        vertices=matrix @ body.flesh[used],
-        deltas=np.stack([matrix @ unit[used] for unit in body.units]),
-        average=matrix @ base.vertices[used],
-        triangles=triangulate(fine.quads),
+        vertices=vertices,
+        deltas=deltas,
+        average=average,
+        triangles=triangles,
         texture=fine.texture[triangulate(fine.texture_quads)],
     )
     return skin, used

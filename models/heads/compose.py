@@ -18,6 +18,7 @@ from .skin import points_of
 from .soup import EYES, HAIR, SKIN, TEETH, TONGUE
 from .splats import Rider, joined, ride
 from .strands import brow_rider, glint_rider, hair_rider, lash_rider
+from .veil import Veil, veil_of
 
 Floats = NDArray[np.floating]
 
@@ -128,9 +129,9 @@ def surface_rider(shader: Shader, seen: NDArray[np.bool_], count: int, rng: np.r
     )
 
 
-def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> Rider:
-    """At most ``count`` splats of one person, surfaces first, then strands; and the neckband, which takes none from
-    the face."""
+def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> tuple[Rider, Veil]:
+    """At most ``count`` splats of one person, surfaces first, then strands, then the veil; and the neckband, which
+    takes none from the face. And what draws the veil."""
     rng = np.random.default_rng(seed)
     head, person = shader.head, shader.person
     hair = hair_rider(head, person, ingredients, shader.light, int(person.hair.share * count), rng)
@@ -139,8 +140,10 @@ def compose(shader: Shader, ingredients: Ingredients, count: int, seed: int) -> 
     brows = brow_rider(head, person, shader.brows, shader.light, hairs["brows"], rng)
     glints = glint_rider(head)
     seen = visible_faces(head)
-    surface = surface_rider(shader, seen, count - len(hair) - len(lashes) - len(brows) - len(glints), rng)
-    return joined([surface, neckband_rider(shader, seen), brows, lashes, hair, glints])
+    veil = veil_of(shader, seen, rng)
+    others = len(hair) + len(lashes) + len(brows) + len(glints) + len(veil.rider)
+    surface = surface_rider(shader, seen, count - others, rng)
+    return joined([surface, neckband_rider(shader, seen), brows, lashes, hair, glints, veil.rider]), veil
 
 
 def _spacing(position: Floats, part: NDArray[np.uint8]) -> Floats:

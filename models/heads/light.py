@@ -47,6 +47,7 @@ def irradiance(
     vertices: Floats,
     cards: NDArray[np.bool_],
     of: NDArray[np.int64] | None = None,
+    across: int = RAYS_ACROSS,
 ) -> Floats:
     """Irradiance / pi [V, 3] at the vertices of one pose, blocked by skin and mouth, dimmed by hair ``cards`` [F].
 
@@ -68,13 +69,13 @@ def irradiance(
     flip = shell & (((points - center) * normals).sum(1) < 0)
     outward[flip] *= -1
     rng = np.random.default_rng(1)
-    u, v = np.meshgrid(np.arange(RAYS_ACROSS), np.arange(RAYS_ACROSS), indexing="ij")
+    u, v = np.meshgrid(np.arange(across), np.arange(across), indexing="ij")
     total = np.zeros((len(points), 3))
     tangent, bitangent = _tangents(outward)
     origin = points + outward * 4e-4
     for i, j in zip(u.ravel(), v.ravel(), strict=True):
-        r = (i + rng.random(len(points))) / RAYS_ACROSS
-        angle = 2 * np.pi * (j + rng.random(len(points))) / RAYS_ACROSS
+        r = (i + rng.random(len(points))) / across
+        angle = 2 * np.pi * (j + rng.random(len(points))) / across
         ring = np.sqrt(r)
         direction = (
             (ring * np.cos(angle))[:, None] * tangent
@@ -88,7 +89,7 @@ def irradiance(
         light[behind_hair & shell] *= 0.75
         light[solid.run(start, toward, query="OCCLUDED") >= 0] = BOUNCE
         total += light
-    return total / RAYS_ACROSS**2
+    return total / across**2
 
 
 def part_of_vertex(head: Head) -> NDArray[np.uint8]:

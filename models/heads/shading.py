@@ -228,6 +228,11 @@ def _under_hair(head: Head, ears: Floats, cards: NDArray[np.bool_]) -> Floats:
 
 def blurred(values: Floats, points: Floats, sigma: float) -> Floats:
     """[V] means over the neighbourhood of each of ``points`` [V, 3], weighted by a Gaussian of ``sigma`` metres."""
+    return nearness(points, sigma) @ values
+
+
+def nearness(points: Floats, sigma: float) -> sparse.csr_matrix:
+    """What makes means [V, V] of values at ``points`` [V, 3], weighted by a Gaussian of ``sigma`` metres."""
     near = cKDTree(points).sparse_distance_matrix(cKDTree(points), 2.5 * sigma, output_type="coo_matrix")
     weights = sparse.coo_matrix((np.exp(-0.5 * (near.data / sigma) ** 2), (near.row, near.col)), near.shape).tocsr()
-    return (weights @ values) / np.asarray(weights.sum(1)).ravel()
+    return sparse.csr_matrix(sparse.diags(1 / np.asarray(weights.sum(1)).ravel()) @ weights)

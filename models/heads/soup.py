@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.floating]
 
-PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair", "glints")
-SKIN, EYES, TEETH, TONGUE, LASHES, HAIR, GLINTS = range(7)
+PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair", "glints", "veil")
+SKIN, EYES, TEETH, TONGUE, LASHES, HAIR, GLINTS, VEIL = range(8)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from .lamps import Lighting, studio_light
 from .raster import CUT
 from .shading import HAIR
 from .shadows import arriving
-from .skinflow import SPREAD_M, Neighbours, folded, neighbours_of, spread
+from ..heads.skinflow import SPREAD_M, Neighbours, folded, neighbours_of, spread
 from .subject import Subject, linear
 
 Floats = NDArray[np.floating]

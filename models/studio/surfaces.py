@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .lamps import BULBS, LAMPS, ROOM
 from .raster import CUT, LASH_OPACITY
 from .shading import BULB_COS, OILY, PORE_M
-from .skinflow import SPREAD_M
+from ..heads.skinflow import SPREAD_M
 from .subject import Subject, linear
 
 Floats = NDArray[np.floating]
