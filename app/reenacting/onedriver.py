@@ -121,7 +121,7 @@ class OneDriver:
 
     def _performance(self, source: Source | None) -> Iterable[_Shot]:
         if self._cast.track is not None:
-            return iter(self._cast.track) if source is None else _paired(self._cast.track, source)
+            return iter(self._cast.track) if source is None else self._beside(self._cast.track, source)
         assert source is not None
         assert self._cast.tracker is not None
         with self.watch("neutral"):
@@ -144,6 +144,16 @@ class OneDriver:
             head_pose=self._wish.head_pose,
         )
         return self._with_a_face(perform(actor, ahead(source.frames()), self.watch), source)
+
+    def _beside(self, track: Track, source: Source) -> Iterator[_Shot]:
+        """A track with a driver, of which is told when it is another file: times alone do not tell two videos apart,
+        and what was only given another sound may be meant."""
+        if track.driver_sha256 not in ("", driver_of(str(source.path), None).sha256):
+            self._bar.say(
+                f"{source.path}: is not the file that {self._wish.track} was made of; if it does not show the same,"
+                " give the one that was tracked, or track this one"
+            )
+        return _paired(track, source)
 
     def _with_a_face(self, performance: Iterable[_Shot], source: Source) -> Iterator[_Shot]:
         """A performance in which somebody is followed. Raises NoFaceError at its end where nobody was: then what was

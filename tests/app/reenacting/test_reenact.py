@@ -190,6 +190,20 @@ def test_a_track_of_another_length_than_the_driver_is_told(
     assert not (tmp_path / "out.mp4").exists()
 
 
+def test_another_video_of_the_same_times_beside_a_track_is_told(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    track = tmp_path / "t.safetensors"
+    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
+    assert main(words) == 0
+    stranger = tmp_path / "stranger.mp4"
+    stranger.write_bytes(clip.read_bytes() + b"\0\0\0\x08free")
+    told = f"stranger.mp4: is not the file that {track} was made of; if it does not show the same, give the one"
+    for driver, says in ((clip, False), (stranger, True)):
+        assert play(tiny, driver, "--track", track, "-o", tmp_path / "out.mp4") == 0
+        assert (told in capsys.readouterr().err) is says
+
+
 def test_a_report_names_what_was_not_begun_and_why_results_are_not_signed(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
