@@ -120,6 +120,27 @@ def test_several_drivers_write_over_no_video_that_no_run_made(
         assert play(tiny, *drivers, "-o", own) == ExitCode.OK
 
 
+def test_several_drivers_write_over_no_picture_that_no_run_made(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other, sheets = tmp_path / "other.mp4", tmp_path / "sheets"
+    other.write_bytes(clip.read_bytes())
+    sheets.mkdir()
+    cv2.imwrite(str(sheets / "other.png"), np.zeros((8, 8, 3), np.uint8))
+    before = (sheets / "other.png").read_bytes()
+    words = (clip, other, "-o", tmp_path / "all", "--neutral-sheet", sheets)
+    for resume in ((), ("--resume",)):
+        assert play(tiny, *words, *resume) == ExitCode.OUTPUT
+        said = capsys.readouterr().err
+        assert "other.png: is there already, and nothing in it says that a run made it; choose another folder" in said
+        assert "--resume" not in said
+    assert (sheets / "other.png").read_bytes() == before
+    (sheets / "other.png").unlink()
+    for _ in range(2):  # sheets are written over by sheets
+        assert play(tiny, *words) == ExitCode.OK
+    assert min(cv2.imread(str(sheets / "other.png")).shape[:2]) > 250
+
+
 def test_tracking_that_is_stopped_before_the_first_frame_says_so(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
