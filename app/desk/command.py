@@ -15,6 +15,7 @@ from ..errors import ExitCode, InputError
 from ..inputs.opening import check_input, open_input, plain_path
 from ..library import avatars, find_avatar
 from ..live import run_live
+from ..performing.casting import Avatar
 from .actions import Order
 from .farewell import farewell
 from .keys import keymap
@@ -60,14 +61,15 @@ def live_command(
         CommandError: when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
     """
     driver = None if driver is None else plain_path(driver)
+    opened: list[Avatar] = []
     # what is asked for and cannot be is told before a window opens
     if driver is not None and is_avatar(driver):
-        open_for_stage(Path(driver).expanduser())
+        opened.append(open_for_stage(Path(driver).expanduser()))
     elif driver is not None:
         check_input(driver)
         open_input(driver)
     if avatar is not None:
-        open_for_stage(find_avatar(avatar))
+        opened.append(open_for_stage(find_avatar(avatar)))
     file = settings_file()
     settings, complaint = load_settings(file)
     roster = opening_roster(avatar, settings.avatar)
@@ -95,6 +97,7 @@ def live_command(
         remote,
         warm=warmer(engine),
         spare=find_avatar() if avatars() else None,
+        opened=opened,
     )
     session.driving.camera = settings.camera
     if complaint:

@@ -1,7 +1,7 @@
 """The avatar on stage, the one that is coming, and what the window shows of it."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -66,15 +66,16 @@ class OnStage:
         size: tuple[int, int],
         watch: Watch,
         warm: Callable[[], None],
+        opened: Iterable[Avatar] = (),
     ) -> None:
         """``engine`` is opened with the first avatar, after ``warm`` has compiled what it needs in another thread;
-        ``size``: width and height of the picture."""
+        ``size``: width and height of the picture; ``opened``: avatars that need not be read again."""
         self.roster = roster
         self.avatar: Avatar | None = None
         self.shot: Shot | None = None
         """The last one that was for this avatar."""
         self._open_engine, self._size, self._watch = engine, size, watch
-        self._loader, self._measuring = Loader(lambda avatar: compiled(avatar, warm)), Measuring()
+        self._loader, self._measuring = Loader(lambda avatar: compiled(avatar, warm), opened), Measuring()
         self._painter: Painter | None = None
         self._drawing: Beside[Drawn] = Beside("draw")
         self._coming: tuple[Avatar, float] | None = None
