@@ -24,9 +24,7 @@ class Refused:
 class Loader:
     """Opens one avatar at a time; of several that are asked for, the last one counts."""
 
-    def __init__(
-        self, prepare: Callable[[Avatar], None] = lambda avatar: None, opened: Iterable[Avatar] = ()
-    ) -> None:
+    def __init__(self, prepare: Callable[[Avatar], None] = lambda avatar: None, opened: Iterable[Avatar] = ()) -> None:
         """
         Args:
             prepare: what else takes its time, in the same thread, before an avatar is handed over.

@@ -93,8 +93,9 @@ class Session:
             self.state = update(self.state, order)
         source = self.driving.source
         self._carry_out(order)
-        if self.driving.source is not source:
-            self.state = replace(self.state, frozen=False)  # it was the other one that was to stand still
+        if self.driving.source is not source or order.name == "camera":
+            # it was the other one that was to stand still; a camera is chosen to see what it sees
+            self.state = replace(self.state, frozen=False)
 
     def settle(self, now: float) -> None:
         """Bring about what the state says, as far as it is ready."""

@@ -340,6 +340,29 @@ def test_a_camera_is_remembered_by_its_name_once_it_shows_a_picture(room: Room) 
     assert room.session.driving.camera == "Nice Cam"
 
 
+def test_a_camera_that_runs_is_not_opened_again_and_one_that_is_gone_is(room: Room) -> None:
+    begin(room)
+    room.session.obey(Order("camera", "nice"))
+    room.capture.health = Health("tracking", frames=1, source="Nice Cam")
+    turn(room.session)
+
+    def opened() -> list[str]:
+        return [arguments[1] for name, *arguments in room.capture.calls if name == "use"][1:]
+
+    room.session.obey(Order("play", 0.0))
+    for word in ("", "nice", "Nice Cam"):
+        room.session.obey(Order("camera", word))
+        assert room.session.view(time.perf_counter()).toasts[-1].text == "Nice Cam runs already."
+    assert not room.session.state.frozen
+    assert opened() == ["nice"]
+    room.session.obey(Order("camera", "Other Cam"))
+    assert opened() == ["nice", "Other Cam"]
+    room.capture.health = Health("stalled", frames=9, source="Other Cam")
+    turn(room.session)
+    room.session.obey(Order("camera", "Other Cam"))
+    assert opened() == ["nice", "Other Cam", "Other Cam"]
+
+
 def test_a_neutral_is_not_taken_where_there_is_no_picture(room: Room) -> None:
     begin(room)
     room.session.obey(Order("neutral"))
