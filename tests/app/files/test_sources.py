@@ -370,11 +370,16 @@ def _begun_late(clip: Path, secs: int) -> Path:
     return clip
 
 
-def test_fragments_of_a_running_stream_begin_at_zero_and_a_late_first_picture_stays_late(make_clip: Clip) -> None:
+def test_fragments_of_a_running_stream_begin_at_zero_and_a_late_first_picture_stays_late(
+    make_clip: Clip, tmp_path: Path
+) -> None:
     assert [f.pts for f in VideoFile(make_clip(pts=(2002, 3003, 4004))).frames()] == [2002, 3003, 4004]
     source = VideoFile(_begun_late(make_clip("cut.mp4", pts=tuple(range(0, 30030, 1001)), flags="empty_moov"), 3600))
     assert [f.pts for f in source.frames()] == list(range(0, 30030, 1001))
     assert source.frame_count == 30
+    reordered = grey_clip(tmp_path / "reordered.mp4", "frag_keyframe+empty_moov")
+    for clip in (reordered, _begun_late(reordered, 3600)):
+        assert (VideoFile(clip).frame_count, next(VideoFile(clip).frames()).pts) == (30, 0)
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.webp"])
