@@ -100,6 +100,20 @@ class Memory:
     unusable: int = 0
     """Expressions that were not finite, in the place of which the last good one stayed."""
 
+    def for_another_source(self) -> "Memory":
+        """What the avatar shows, to be eased from, and the time; nothing of who was followed, and in which scene."""
+        return Memory(
+            attention=self.attention,
+            seconds=self.seconds,
+            expression=self.expression,
+            turn=self.turn,
+            shown_turn=self.shown_turn,
+            misread=self.misread,
+            translation=self.translation,
+            clamped=self.clamped,
+            idle_since=self.idle_since,
+        )
+
 
 @dataclass(frozen=True)
 class Look:
