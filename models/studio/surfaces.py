@@ -5,9 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .bending import PORE_M
 from .lamps import BULBS, LAMPS, ROOM
+from .mirroring import BULB_COS
 from .raster import CUT, LASH_OPACITY
-from .shading import BULB_COS, OILY, PORE_M
+from .shading import OILY
 from .skinflow import SPREAD_M
 from .subject import Subject, linear
 
