@@ -8,10 +8,11 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.driver.answer import Answer, Express, Floats
+from ...models.driver.answer import Answer, Express
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.regressor import Regressor
 from ...models.driver.smoothing import Smoothed
+from ...render.arrays import Floats
 from ..errors import InputError
 from ..files.frames import Frame
 from ..inputs.source import PoseFrame, WeightsFrame

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ...render.rotations import matrix_from_wxyz, wxyz_from_matrix
 from .foreign import ForeignFormatError
@@ -28,8 +29,6 @@ SPLATS, MESHES = "point_cloud.ply", "meshes"
 """What the file is called, and the folder beside it in which the meshes are looked for."""
 _FLAT = 1e-9
 """Metres; a triangle with a shorter side or height has no frame of its own."""
-
-Floats = NDArray[np.floating]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.camera import Camera
 from .lamps import ROOM
 from .moment import Moment, Stage
 from .raster import projected, rasterize
 from .shading import Light, Maps, Samples, Surface, shade
-
-Floats = NDArray[np.floating]
 
 FINER = 2
 """Samples along a pixel."""
