@@ -10,6 +10,7 @@ import numpy as np
 from ...models import blend, posing
 from ...models.gem import MODALITIES
 from ...render import compositing
+from ...render.arrays import Image
 from ...render.engines import Engine
 from ..live import NO_SHIFT
 from ..performing.casting import Avatar
@@ -21,7 +22,7 @@ from . import explore
 from .beside import Beside
 from .loader import Loader, Refused
 from .measuring import Measuring, megabytes
-from .painter import KERNELS, Image, Painter, curtain
+from .painter import KERNELS, Painter, curtain
 from .roster import Roster
 from .state import DeskState
 from .view import AvatarFacts, Curve

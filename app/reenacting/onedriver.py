@@ -12,6 +12,7 @@ from typing import Any
 
 from ...models.driver.face import FaceTracker
 from ...models.wholefile import file_sha256
+from ...render.arrays import Image
 from ...render.engines import Engine
 from ..credentials.badge import badged
 from ..credentials.origin import origin_of
@@ -27,7 +28,7 @@ from ..files.recipes import recipe_of
 from ..files.sinks import TIMES_FILE, FolderSink, Sink, VideoSink
 from ..files.sources import Source, files_of, files_sha256, open_source
 from ..files.video import VideoFile
-from ..live import Image, Stage, perform, run_offline
+from ..live import Stage, perform, run_offline
 from ..performing.casting import Avatar, expression_of
 from ..performing.performance import Pose
 from ..performing.portrait import portrait

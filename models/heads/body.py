@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .ingredients import Ingredients
 from .lips import hollowed
 from .maps import load_map, sample_map
@@ -12,8 +13,6 @@ from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate
 from .people import Person
 from .soup import SKIN, Surface
 from .units import face_units
-
-Floats = NDArray[np.floating]
 
 CROP_BELOW_CROWN = 3.75
 """Decimetres of body kept below the crown: head, neck and the top of the shoulders."""

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..arkit import NAMES
 from ..captures.headmotion import posed
 from ..heads.maps import sample_map, strokes
@@ -16,8 +17,6 @@ from .shading import HAIR
 from .shadows import arriving
 from .skinflow import SPREAD_M, Neighbours, folded, neighbours_of, spread
 from .subject import Subject, linear
-
-Floats = NDArray[np.floating]
 
 SKULL = np.array([0.0, 0.035, -0.01])
 HAIR_DEPTH_M = 10e-3
