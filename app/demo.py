@@ -26,6 +26,7 @@ def run_demo(out: str, avatar: str | None, engine: EngineName, window: bool, no_
         print(f"Done: open {Path(out).resolve()}; the face of the clip is on the left, the avatar on the right.")
         if window and has_display():
             from .desk.command import live_command
+            from .desk.wish import LiveWish
 
-            return live_command(clip, avatar, engine=engine, no_badge=no_badge)
+            return live_command(LiveWish(clip, avatar, engine=engine, no_badge=no_badge))
     return code

@@ -11,10 +11,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.gem import Gem
 from ..models.posing import pose_head
+from ..render.arrays import Image
 from ..render.camera import Camera
 from ..render.compositing import over, to_rgba8
 from ..render.engines import Engine
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from .desk.session import Session
     from .desk.view import DeskView
 
-Image = NDArray[np.uint8]
 WAIT_SECS = 0.01
 """How long the window waits for keys and pointer, unless a shot or a picture wakes it before."""
 NO_SHIFT = np.zeros(3, np.float32)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.gem import CLAMP_SIGMAS, MODALITIES, Gem
+from ..render.arrays import Image
 from ..render.camera import Camera
 from ..render.compositing import over
 from ..render.enginename import EngineName
@@ -20,7 +21,6 @@ from .files.outputs import keep_inputs
 from .files.pictures import write_png
 from .performing.portrait import portrait
 
-Image = NDArray[np.uint8]
 STEPS = 5
 """Pictures in a row: -3, -1.5, 0, 1.5 and 3 sigma."""
 GROUND = (1.0, 1.0, 1.0)

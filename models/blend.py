@@ -8,9 +8,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..render.arrays import Floats32
 from ..render.compiling import FLAT, WIDE, compile_ahead
 
-Floats = NDArray[np.float32]
 _BLOCK = 4096
 """Columns that one core sums at a time: 16 kB of sums and four rows of as much stay in its nearest caches."""
 
@@ -25,7 +25,7 @@ def warm() -> None:
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True)
-def blend(weights: Floats, mean: Floats, rows: Floats, out: Floats) -> None:
+def blend(weights: Floats32, mean: Floats32, rows: Floats32, out: Floats32) -> None:
     """out = mean + weights @ rows[: len(weights)], in place.
 
     Args:
@@ -44,7 +44,7 @@ def blend(weights: Floats, mean: Floats, rows: Floats, out: Floats) -> None:
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True)
-def blend_columns(weights: Floats, mean: Floats, rows: Floats, columns: NDArray[np.int32], out: Floats) -> None:
+def blend_columns(weights: Floats32, mean: Floats32, rows: Floats32, columns: NDArray[np.int32], out: Floats32) -> None:
     """The same where most components are 0 in most places: out = mean, and there mean + weights @ rows[: len(weights)].
 
     Args:
@@ -69,7 +69,7 @@ def blend_columns(weights: Floats, mean: Floats, rows: Floats, columns: NDArray[
 
 
 @numba.njit(cache=True, parallel=True, fastmath=True)
-def correlate(rows: Floats, values: Floats, out: Floats) -> None:
+def correlate(rows: Floats32, values: Floats32, out: Floats32) -> None:
     """out = rows @ values, in place: how a gradient goes back through the sum.
 
     Args:
@@ -89,7 +89,7 @@ def correlate(rows: Floats, values: Floats, out: Floats) -> None:
 
 
 @numba.njit(cache=True, parallel=True)
-def moving_columns(rows: Floats, moving: NDArray[np.bool_]) -> None:
+def moving_columns(rows: Floats32, moving: NDArray[np.bool_]) -> None:
     """``moving`` [W] = whether a column of ``rows`` [K, W] holds anything but 0 (NaN is something), in place."""
     width = moving.shape[0]
     for block in numba.prange((width + _BLOCK - 1) // _BLOCK):
@@ -102,7 +102,7 @@ def moving_columns(rows: Floats, moving: NDArray[np.bool_]) -> None:
 
 
 @numba.njit(cache=True, parallel=True)
-def gather(rows: Floats, columns: NDArray[np.int32], out: Floats) -> None:
+def gather(rows: Floats32, columns: NDArray[np.int32], out: Floats32) -> None:
     """out = rows[:, columns], in place. ``out`` [K, M]."""
     for j in numba.prange(rows.shape[0]):
         for i in range(columns.shape[0]):
@@ -110,7 +110,7 @@ def gather(rows: Floats, columns: NDArray[np.int32], out: Floats) -> None:
 
 
 @numba.njit(cache=True, fastmath=True, inline="always")
-def _add(weights: Floats, rows: Floats, start: int, end: int, sums: Floats) -> None:
+def _add(weights: Floats32, rows: Floats32, start: int, end: int, sums: Floats32) -> None:
     """Adds weights @ rows[:, start:end]."""
     count, j = weights.shape[0], 0
     while j + 3 < count:  # four rows in one pass: the sums are read and written a quarter as often

@@ -63,9 +63,20 @@ def duration_of(container: Any, stream: Any) -> Fraction | None:
     """Seconds of a stream; Matroska, WebM and FLV tell it of the whole file alone. None where nobody does."""
     if stream.duration and stream.time_base:
         length = Fraction(stream.duration * stream.time_base)
-        before = start_of(container) if _is_movie(container) else Fraction(0)  # which is counted there
+        before = _first_decoded(container, stream) if _is_movie(container) and start_of(container) else Fraction(0)
         return length - before if length > before else length
     return Fraction(container.duration, av.time_base) if container.duration else None
+
+
+def _first_decoded(container: Any, stream: Any) -> Fraction:
+    """When the first picture of a stream is decoded, in seconds: from 0 to there FFmpeg counts, too, how long fragments
+    of a running stream are. It is earlier than the first one is shown where pictures are stored in another order."""
+    try:
+        with open_media(_path_of(container)) as again:  # the other one goes on where it is
+            dts = next(again.demux(again.streams[stream.index])).dts
+    except (av.error.FFmpegError, OSError):
+        dts = None
+    return start_of(container) if dts is None else Fraction(max(0, dts) * stream.time_base)
 
 
 def start_of(container: Any) -> Fraction:

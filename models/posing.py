@@ -4,19 +4,18 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..render.arrays import Floats32
 from ..render.compiling import FLAT, WIDE, compile_ahead
 from ..render.gaussians import RawGaussians
 
 NECK_PIVOT = (0.0, -0.075, -0.02)
 """The point a head nods and turns about where it has none of its own, metres, canonical space."""
 
-Floats = NDArray[np.float32]
-
 
 def pose_head(
     raw: RawGaussians,
-    neck_weights: Floats,
-    pivot: Floats,
+    neck_weights: Floats32,
+    pivot: Floats32,
     rotvec: NDArray[np.floating],
     translation: NDArray[np.floating],
     out: RawGaussians | None = None,
@@ -53,14 +52,14 @@ def warm() -> None:
 
 @numba.njit(cache=True, parallel=True, fastmath=True)
 def pose_splats(
-    positions: Floats,
-    wxyz: Floats,
-    weights: Floats,
-    pivot: Floats,
-    turn: Floats,
-    move: Floats,
-    moved: Floats,
-    turned: Floats,
+    positions: Floats32,
+    wxyz: Floats32,
+    weights: Floats32,
+    pivot: Floats32,
+    turn: Floats32,
+    move: Floats32,
+    moved: Floats32,
+    turned: Floats32,
 ) -> None:
     """``pose_head`` on plain arrays: [N, 3], [N, 4], [N], three of [3], and the answers [N, 3] and [N, 4]."""
     angle = np.sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2])

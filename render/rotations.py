@@ -1,9 +1,8 @@
 """Rotations as unit quaternions wxyz and as 3x3 matrices."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from .arrays import Floats
 
 
 def normalized(wxyz: Floats) -> Floats:

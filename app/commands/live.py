@@ -36,6 +36,7 @@ def live(
     """
     from ..credentials.reasons import read_reason
     from ..desk.command import live_command
+    from ..desk.wish import LiveWish
     from ..errors import UsageError
     from ..words import read_size
 
@@ -45,4 +46,4 @@ def live(
         raise UsageError(f"--components {components}: choose at least 1")
     reason = read_reason(no_badge)
     wanted = "" if camera is not None and camera.lower() == "any" else camera
-    return live_command(driver, avatar, wanted, components, read_size(size), engine, listen, no_badge=reason)
+    return live_command(LiveWish(driver, avatar, wanted, components, read_size(size), engine, listen, reason))

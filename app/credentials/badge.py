@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-Image = NDArray[np.uint8]
+from ...render.arrays import Image
+
 WORD = "SYNTHETIC"
 LETTER_SHARE = 0.021
 """Height of a capital, as a part of the picture's shorter side."""

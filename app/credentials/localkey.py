@@ -54,7 +54,10 @@ def existing_key(path: Path) -> LocalKey | None:
     private, mark, chain = text.partition(b"-----BEGIN CERTIFICATE")
     if b"PRIVATE KEY" not in private or not mark:
         raise OutputError(f"{path}: holds no signing key; {_ANEW}")
-    return LocalKey(private, mark + chain)
+    key = LocalKey(private, mark + chain)
+    if not _fits(key):
+        raise OutputError(f"{path}: the signing key in it is damaged; {_ANEW}")
+    return key
 
 
 def local_key(path: Path) -> LocalKey:
@@ -82,6 +85,19 @@ def local_key(path: Path) -> LocalKey:
 
 
 _ANEW = "delete it, and the next result makes a new one"
+
+
+def _fits(key: LocalKey) -> bool:
+    """Whether all of it can be read, and the first certificate is of this key: c2pa finds out when a result is done."""
+    from cryptography import x509
+    from cryptography.exceptions import UnsupportedAlgorithm
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+
+    try:
+        leaf, *_ = x509.load_pem_x509_certificates(key.chain_pem)
+        return load_pem_private_key(key.private_pem, None).public_key() == leaf.public_key()
+    except (ValueError, TypeError, UnsupportedAlgorithm):  # TypeError: of a key behind a password
+        return False
 
 
 def _named(aside: Path, path: Path) -> None:

@@ -15,6 +15,7 @@ from ..errors import ExitCode, InputError
 from ..inputs.opening import check_input, open_input, plain_path
 from ..library import avatars, find_avatar
 from ..live import run_live
+from ..performing.casting import Avatar
 from .actions import Order
 from .farewell import farewell
 from .keys import keymap
@@ -23,10 +24,11 @@ from .outputs import Outputs
 from .remote import Remote, read_listen
 from .roster import Roster
 from .session import Session
-from .settings import load_settings, recalled, remembered, save_settings, settings_file
+from .settings import Settings, load_settings, recalled, remembered, save_settings, settings_file
 from .sources import is_avatar
 from .state import DeskState, update
 from .window import DeskWindow
+from .wish import LiveWish
 
 RATE = 30
 """Pictures a second that are recorded, at most."""
@@ -34,89 +36,88 @@ FINISH_SECS = 300.0
 """How long a recording may be finished and signed after the window was closed; a disk that hangs takes longer."""
 
 
-def live_command(
-    driver: str | None = None,
-    avatar: str | None = None,
-    camera: str | None = None,
-    components: int | None = None,
-    size: tuple[int, int] = (512, 512),
-    engine: EngineName = "auto",
-    listen: str | None = None,
-    no_badge: str = "",
-) -> ExitCode:
+def live_command(wish: LiveWish) -> ExitCode:
     """Open the window and stay until it is closed.
 
-    Args:
-        driver: a video, a folder of pictures, a track, or ``osc:PORT``.
-        avatar: name of an avatar or a .gem file; None for the one of the last run.
-        camera: a camera's name or a part of it; an empty one means the last one used, or the first.
-        components: how many components a modality; None for all.
-        size: width and height of the avatar's picture in pixels.
-        engine: what draws.
-        listen: HOST:PORT for orders by OSC.
-        no_badge: why what is recorded carries no SYNTHETIC badge; empty: it carries one.
-
-    Raises:
-        CommandError: when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
+    Raises CommandError when an avatar or a driver is not there, a port cannot be listened on, or no window opens.
     """
-    driver = None if driver is None else plain_path(driver)
-    # what is asked for and cannot be is told before a window opens
-    if driver is not None and is_avatar(driver):
-        open_for_stage(Path(driver).expanduser())
-    elif driver is not None:
-        check_input(driver)
-        open_input(driver)
-    if avatar is not None:
-        open_for_stage(find_avatar(avatar))
+    if wish.driver is not None:
+        wish = replace(wish, driver=plain_path(wish.driver))
+    opened = _checked(wish)
     file = settings_file()
     settings, complaint = load_settings(file)
-    roster = opening_roster(avatar, settings.avatar)
-    remote = Remote(*read_listen(listen)) if listen is not None else None
-    state = replace(recalled(DeskState(), settings), welcome=driver is None and camera is None)
-    state = replace(state, no_badge=no_badge)
-    if components is not None:
-        state = replace(state, components=components)
-    try:
-        desk = DeskWindow(settings.window)
-        if settings.window is None:
-            desk.grow(desk.content_scale)
-    except NoOpenGLError as error:
-        raise InputError(f"gemheads live: {error}") from error
-    if "ui_scale" not in settings.wishes:
-        state = update(state, Order("ui_scale", desk.content_scale))
-    outputs = Outputs(size, RATE, recordings_folder)
+    roster = opening_roster(wish.avatar, settings.avatar)
+    remote = Remote(*read_listen(wish.listen)) if wish.listen is not None else None
+    desk = _opened(settings)
     session = Session(
-        state,
+        _state(wish, settings, desk.content_scale),
         roster,
         keymap(settings.keys),
-        lambda: open_engine(engine, desk.context),
-        outputs,
-        size,
+        lambda: open_engine(wish.engine, desk.context),
+        Outputs(wish.size, RATE, recordings_folder),
+        wish.size,
         remote,
-        warm=warmer(engine),
+        warm=warmer(wish.engine),
         spare=find_avatar() if avatars() else None,
+        opened=opened,
     )
     session.driving.camera = settings.camera
     if complaint:
         session.tell(complaint)
-    for order in first_orders(driver, camera):
+    for order in first_orders(wish.driver, wish.camera):
         session.obey(order)
     with farewell(desk.quit):  # until files are finished, too
         try:
             run_live(desk, session)
         finally:
             desk.hide()  # what ends in its own thread may take a moment longer
-            settings = remembered(session.state, settings)
-            window = settings.window if session.state.full_screen else desk.size
-            settings = replace(
-                settings, avatar=played(session, settings.avatar), camera=session.driving.camera, window=window
-            )
+            settings = _left(settings, session, desk)
             session.close()
             desk.close()
             if trouble := save_settings(settings, file):
                 _say(trouble)
-            await_files(outputs)
+            await_files(session.outputs)
     return ExitCode.OK
+
+
+def _checked(wish: LiveWish) -> list[Avatar]:
+    """The avatars that are asked for; what cannot be is told before a window opens. Raises CommandError."""
+    opened: list[Avatar] = []
+    if wish.driver is not None and is_avatar(wish.driver):
+        opened.append(open_for_stage(Path(wish.driver).expanduser()))
+    elif wish.driver is not None:
+        check_input(wish.driver)
+        open_input(wish.driver)
+    if wish.avatar is not None:
+        opened.append(open_for_stage(find_avatar(wish.avatar)))
+    return opened
+
+
+def _opened(settings: Settings) -> DeskWindow:
+    """The window, as large as it was; at the first run as this screen wants it. Raises InputError."""
+    try:
+        desk = DeskWindow(settings.window)
+        if settings.window is None:
+            desk.grow(desk.content_scale)
+    except NoOpenGLError as error:
+        raise InputError(f"gemheads live: {error}") from error
+    return desk
+
+
+def _state(wish: LiveWish, settings: Settings, scale: float) -> DeskState:
+    """How the window begins; ``scale`` is that of letters on this screen, where none is remembered."""
+    welcome = wish.driver is None and wish.camera is None
+    state = replace(recalled(DeskState(), settings), welcome=welcome, no_badge=wish.no_badge)
+    if wish.components is not None:
+        state = replace(state, components=wish.components)
+    return state if "ui_scale" in settings.wishes else update(state, Order("ui_scale", scale))
+
+
+def _left(settings: Settings, session: Session, desk: DeskWindow) -> Settings:
+    """What is remembered of a run that began with these settings."""
+    window = settings.window if session.state.full_screen else desk.size
+    avatar, camera = played(session, settings.avatar), session.driving.camera
+    return replace(remembered(session.state, settings), avatar=avatar, camera=camera, window=window)
 
 
 def await_files(outputs: Outputs, secs: float = FINISH_SECS) -> None:

@@ -1,9 +1,9 @@
 """A and B beside each other: all components and those in use, or where they differ. Pure."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.uint8]
+from ...render.arrays import Image
+
 GAIN = 8.0
 """The error map shows differences so many times enlarged."""
 EXACT_DB = 100.0

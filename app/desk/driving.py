@@ -14,7 +14,7 @@ from ..performing.shots import Health, Shot
 from ..person.tuning import GROUPS, Tuning
 from .actions import Order
 from .resting import NeutralTaking, kept, recalled
-from .sources import CameraList, camera_named
+from .sources import CameraList, camera_named, named
 from .state import DeskState
 
 Tell = Callable[[str, bool], None]
@@ -109,10 +109,20 @@ class Driving:
             self._tell(str(error), True)
 
     def open_camera(self, name: str) -> None:
-        """A camera by its name, the last one or the first where there is none."""
+        """A camera by its name, the last one or the first where there is none; the one that runs is left running, for
+        until it had let go of itself it would be busy."""
         wanted = name or self.camera
+        if self._runs(wanted):
+            self._tell(f"{self._known_camera} runs already.", False)
+            return
         self.use(camera_named(wanted), wanted or "Camera")
         self._by_camera = True
+
+    def _runs(self, wanted: str) -> bool:
+        """Whether the camera of this name, or the one it is a part of the name of, is the source and delivers."""
+        known = self._known_camera
+        delivers = known != "" and self.health.phase not in ("no source", "opening", "stalled")
+        return delivers and named((*self.cameras, known), wanted) == known
 
     def open_demo(self) -> None:
         """The shipped clip."""

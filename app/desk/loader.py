@@ -1,8 +1,8 @@
 """Avatars are opened in a thread of their own; the window asks, and takes what came of it."""
 
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import CommandError
@@ -24,9 +24,14 @@ class Refused:
 class Loader:
     """Opens one avatar at a time; of several that are asked for, the last one counts."""
 
-    def __init__(self, prepare: Callable[[Avatar], None] = lambda avatar: None) -> None:
-        """``prepare``: what else takes its time, in the same thread, before an avatar is handed over."""
+    def __init__(self, prepare: Callable[[Avatar], None] = lambda avatar: None, opened: Iterable[Avatar] = ()) -> None:
+        """
+        Args:
+            prepare: what else takes its time, in the same thread, before an avatar is handed over.
+            opened: avatars that somebody opened for the stage already: not read again when they are first asked for.
+        """
         self._prepare = prepare
+        self._opened_before = {avatar.path.resolve(): avatar for avatar in opened}
         self._wanted: Mailbox[Path] = Mailbox()
         self._ready: Mailbox[Avatar | Refused] = Mailbox()
         self.loading: Path | None = None
@@ -58,7 +63,8 @@ class Loader:
 
     def _opened(self, path: Path) -> Avatar | Refused:
         try:
-            avatar = open_for_stage(path)
+            before = self._opened_before.pop(path.resolve(), None)
+            avatar = replace(before, path=path) if before is not None else open_for_stage(path)
             self._prepare(avatar)
         except CommandError as error:
             return Refused(path, str(error))

@@ -1,7 +1,7 @@
 """The avatar on stage, the one that is coming, and what the window shows of it."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 from ...models import blend, posing
 from ...models.gem import MODALITIES
 from ...render import compositing
+from ...render.arrays import Image
 from ...render.engines import Engine
 from ..live import NO_SHIFT
 from ..performing.casting import Avatar
@@ -21,7 +22,7 @@ from . import explore
 from .beside import Beside
 from .loader import Loader, Refused
 from .measuring import Measuring, megabytes
-from .painter import KERNELS, Image, Painter, curtain
+from .painter import KERNELS, Painter, curtain
 from .roster import Roster
 from .state import DeskState
 from .view import AvatarFacts, Curve
@@ -66,15 +67,16 @@ class OnStage:
         size: tuple[int, int],
         watch: Watch,
         warm: Callable[[], None],
+        opened: Iterable[Avatar] = (),
     ) -> None:
         """``engine`` is opened with the first avatar, after ``warm`` has compiled what it needs in another thread;
-        ``size``: width and height of the picture."""
+        ``size``: width and height of the picture; ``opened``: avatars that need not be read again."""
         self.roster = roster
         self.avatar: Avatar | None = None
         self.shot: Shot | None = None
         """The last one that was for this avatar."""
         self._open_engine, self._size, self._watch = engine, size, watch
-        self._loader, self._measuring = Loader(lambda avatar: compiled(avatar, warm)), Measuring()
+        self._loader, self._measuring = Loader(lambda avatar: compiled(avatar, warm), opened), Measuring()
         self._painter: Painter | None = None
         self._drawing: Beside[Drawn] = Beside("draw")
         self._coming: tuple[Avatar, float] | None = None

@@ -4,9 +4,9 @@ import threading
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.gem import Gem
+from ...render.arrays import Image
 from ...render.camera import Camera
 from ...render.engines import Engine
 from ..live import Stage, draw
@@ -18,7 +18,6 @@ from .compare import decibels, heat, joined
 from .light import lit
 from .state import DeskState
 
-Image = NDArray[np.uint8]
 STUDIO = (0.165, 0.172, 0.188)
 CURTAIN = (28, 30, 33)
 KERNELS = threading.Lock()

@@ -1,7 +1,7 @@
 """What goes on beside the window, and what was asked of it: the state, the driver, the stage, the outputs."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,6 +51,7 @@ class Session:
         driving: Driving | None = None,
         warm: Callable[[], None] = lambda: None,
         spare: Path | None = None,
+        opened: Iterable[Avatar] = (),
     ) -> None:
         """
         Args:
@@ -64,11 +65,12 @@ class Session:
             driving: made here unless given.
             warm: compiles what ``engine`` needs, in another thread and before it is opened.
             spare: the avatar to be opened where the first one is refused.
+            opened: avatars that were opened before the window was, and need not be read again.
         """
         self.state, self.keymap, self.outputs, self.remote = state, keymap, outputs, remote
         self.gauges = Gauges()
         self.driving = driving or Driving(self.tell)
-        self.stage = OnStage(roster, engine, size, self.gauges, warm)
+        self.stage = OnStage(roster, engine, size, self.gauges, warm, opened)
         self._toasts: list[tuple[float, Toast]] = []
         self._shown_at, self._lowered = 0.0, ""
         self._ended: dict[str, str] = {}
@@ -91,8 +93,9 @@ class Session:
             self.state = update(self.state, order)
         source = self.driving.source
         self._carry_out(order)
-        if self.driving.source is not source:
-            self.state = replace(self.state, frozen=False)  # it was the other one that was to stand still
+        if self.driving.source is not source or order.name == "camera":
+            # it was the other one that was to stand still; a camera is chosen to see what it sees
+            self.state = replace(self.state, frozen=False)
 
     def settle(self, now: float) -> None:
         """Bring about what the state says, as far as it is ready."""

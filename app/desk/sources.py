@@ -1,10 +1,10 @@
 """Cameras by name, and which files are avatars."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..inputs import CameraChoice, cameras, open_camera
+from ..inputs import cameras, open_camera
 from ..inputs.source import LiveSource, Opener, SourceLost
 from ..library import SUFFIX
 
@@ -42,9 +42,9 @@ def camera_named(name: str) -> Opener:
         if known is not None:
             return known()
         found = cameras()
-        camera = _fitting(found, name)
-        if camera is not None:
-            opener = open_camera(camera)
+        meant = named([camera.name for camera in found], name)
+        if meant is not None:
+            opener = open_camera(next(camera for camera in found if camera.name == meant))
             source, known = opener(), opener
             return source
         names = ", ".join(camera.name for camera in found)
@@ -55,14 +55,14 @@ def camera_named(name: str) -> Opener:
     return opened
 
 
-def _fitting(found: list[CameraChoice], name: str) -> CameraChoice | None:
-    """The camera that is meant; live.toml of an earlier version has names with size and rate behind them."""
+def named(names: Sequence[str], word: str) -> str | None:
+    """The camera that a word means, of all ``names``; live.toml of an earlier version has size and rate behind them."""
     fits: tuple[Callable[[str], bool], ...] = (
-        lambda other: other == name,
-        lambda other: name.lower() in other.lower(),
-        lambda other: name.startswith(f"{other}, "),
+        lambda name: name == word,
+        lambda name: word.lower() in name.lower(),
+        lambda name: word.startswith(f"{name}, "),
     )
-    return next((camera for fit in fits for camera in found if fit(camera.name)), None)
+    return next((name for fit in fits for name in names if fit(name)), None)
 
 
 def is_avatar(text: str) -> bool:

@@ -8,10 +8,10 @@ from pathlib import Path
 from ...models.crossing.clip import Clip, ShortClip, UnseenDriver, track_clip
 from ...models.crossing.double import Double, mirrored
 from ...models.crossing.kept import Kept
-from ...models.crossing.reading import Image
 from ...models.crossing.still import CONDITIONS, Still, hold_still
 from ...models.driver.features import FEATURE_VERSION
 from ...models.wholefile import file_sha256
+from ...render.arrays import Image
 from ..errors import InputError, NoFaceError, UsageError
 from ..files.sources import Images, Source, open_source
 

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from ...models.crossing.compare import Compared, compare, relative_embeddings
 from ...models.crossing.double import double_correlations
-from ...models.crossing.embedding import Floats, agreement
+from ...models.crossing.embedding import agreement
 from ...models.crossing.kept import Kept
 from ...models.crossing.loop import Echo, echo
 from ...models.crossing.mirror import UnseenAvatar
 from ...models.crossing.pace import paces
 from ...models.crossing.poseleak import Turned
+from ...render.arrays import Floats
 from ..errors import InputError, UsageError
 from ..progress import ProgressBar
 from .crossingfigures import Row, crossing_json, crossing_said

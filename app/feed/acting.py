@@ -8,11 +8,11 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.driver.answer import Answer, Express, Floats
-from ...models.driver.face import FaceObservation
+from ...models.driver.answer import Answer, Express
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.regressor import Regressor
 from ...models.driver.smoothing import Smoothed
+from ...render.arrays import Floats
 from ..errors import InputError
 from ..files.frames import Frame
 from ..inputs.source import PoseFrame, WeightsFrame
@@ -22,7 +22,6 @@ from ..performing.performance import Pose
 from ..performing.presence import Phase, update
 from ..performing.shots import Observed, Shot
 from ..person.following import (
-    FACES_EVERY_SECS,
     Actor,
     Memory,
     Tracker,
@@ -31,10 +30,11 @@ from ..person.following import (
     look,
     take_on,
 )
-from ..person.hints import HARD_TO_READ, Hints, Sign, signs_of, update_hints
+from ..person.hints import Hints, Sign, signs_of, update_hints
 from ..person.seeing import lock_next, observe, sketch_of
 from ..person.settling import Settling, go_over, settle
 from ..person.tuning import Tuning, actor_for
+from .onesource import OneSource
 
 _TICK = Fraction(1, 1_000_000)
 LONGEST_DT = 1.0
@@ -53,26 +53,21 @@ class Acting:
         self._known: dict[str, Express] = {}
         self._tuning = Tuning()
         self._memory = Memory(seconds=0.0)
-        self._serial = 0
+        self._serial = self._passed_by = 0
         self._wall = clock()
-        self._source_secs: float | None = None
-        self._face: FaceObservation | None = None
-        self._weights: WeightsFrame | None = None
-        self._posed: PoseFrame | None = None
-        """The last moment of a track, whichever avatar it is for."""
-        self._relock = False
-        self._passed_by = self._failed_before = 0
-        self.settling = Settling()
-        """The neutral."""
-        self.hints = Hints()
-        self.phase = Phase.SEARCHING
-        """SEARCHING until this source has shown a face."""
+        self.source = OneSource()
+        """What was learned of the source so far."""
         self._actor = self._dressed(avatar)
 
     @property
     def attention(self) -> Phase:
         """What the avatar is doing."""
         return self._memory.attention.phase
+
+    @property
+    def phase(self) -> Phase:
+        """The same, but SEARCHING until this source has shown a face."""
+        return self.attention if self.source.found else Phase.SEARCHING
 
     @property
     def refusal(self) -> str:
@@ -83,7 +78,7 @@ class Acting:
     @property
     def unusable(self) -> int:
         """Expressions of this source with a value that is not finite; the last good one stayed."""
-        return self._memory.unusable + self._failures - self._failed_before
+        return self._memory.unusable + self._failures - self.source.failed_before
 
     @property
     def _failures(self) -> int:
@@ -93,18 +88,13 @@ class Acting:
     def begin(self) -> None:
         """Another source: nothing of the one before counts but the expression, from which the avatar eases."""
         self._tracker.reset()
-        forgotten = replace(self._memory, box=None, thumbnail=None, faces=0, unusable=0)
-        self._memory = replace(forgotten, counted_at=-FACES_EVERY_SECS)
-        self.settling, self.phase = Settling(), Phase.SEARCHING
-        self._hint(Hints())
-        self._source_secs = self._face = self._weights = self._posed = None
-        self._relock = False
-        self._failed_before = self._failures
+        self._memory = self._memory.for_another_source()
+        self._learn(OneSource(self._failures))
 
     def resume(self) -> None:
         """The same source after it was gone: its time may begin anew, and the scene may have changed."""
         self._memory = replace(self._memory, thumbnail=None)
-        self._source_secs = None
+        self.source = replace(self.source, secs=None)
 
     def cast(self, avatar: Avatar) -> None:
         """Another avatar goes on. Raises InputError, and keeps the one before, as at first."""
@@ -118,11 +108,13 @@ class Acting:
 
     def rest(self, neutral: NeutralChoice | None) -> None:
         """The neutral that counts from now on; None: look for it anew."""
-        self.settling = replace(self.settling, given=neutral) if neutral else Settling(now=self.settling.now)
+        before = self.source.settling
+        settling = replace(before, given=neutral) if neutral else Settling(now=before.now)
+        self.source = replace(self.source, settling=settling)
 
     def relock(self) -> None:
         """Follow the next face to the right, from the next picture on."""
-        self._relock = True
+        self.source = replace(self.source, relock=True)
 
     def frame(self, frame: Frame, delivered: float, live: bool, exact: bool, rate: float | None) -> Shot | None:
         """A picture; None when it is passed by to save work.
@@ -146,14 +138,15 @@ class Acting:
         tracked = self._clock()
         observed = None
         if seen.face is not None:
-            self.phase = Phase.TRACKING
+            self.source = replace(self.source, found=True)
             if exact:
                 memory = replace(memory, attention=replace(memory.attention, follow=1.0))
             memory = count_faces(self._tracker, memory, timed)
             observed = observe(seen.face, frame.rgb, memory.faces)
             if observed.is_finite:
-                self._face, self._weights = seen.face, None
-                self.settling = settle(self.settling, seen.face, timed.seconds, dt, self._tuning.neutral_strength)
+                strength = self._tuning.neutral_strength
+                settling = settle(self.source.settling, seen.face, timed.seconds, dt, strength)
+                self.source = replace(self.source, face=seen.face, weights=None, settling=settling)
                 memory = follow(self._with_neutral(), memory, seen.face, 0.0 if exact else dt)
             else:
                 memory, observed = replace(memory, unusable=memory.unusable + 1), None
@@ -167,23 +160,23 @@ class Acting:
         """A moment in ARKit weights; on an avatar without an ARKit map only the head moves."""
         started = self._clock()
         dt = self._elapsed(given.seconds, started)
-        self._face, self._weights, self.phase = None, given, Phase.TRACKING
+        self.source = replace(self.source, face=None, weights=given, found=True)
         self._advance(dt, seen=True)
         self._pass(given.seconds, started)
         before = _fresh(self._memory) if exact else self._memory
         self._memory = replace(take_on(self._actor, before, self._of_weights(given), dt), faces=1)
         self._memory, pose = act(self._actor, self._memory, seen=True)
-        self._hint(Hints())
+        self._learn(replace(self.source, hints=Hints()))
         return self._shot(pose, started, given.seconds, stages={"express": self._clock() - started})
 
     def pose(self, given: PoseFrame) -> Shot | None:
         """A moment of a track, exactly; None when it was made for another avatar."""
-        self._posed = given
+        self.source = replace(self.source, posed=given)
         if given.avatar_sha256 != self._avatar.sha256:
             return None
         started = self._clock()
         dt = self._elapsed(given.seconds, started)
-        self._face, self._weights, self.phase = None, None, Phase.TRACKING
+        self.source = replace(self.source, face=None, weights=None, found=True)
         self._advance(dt, seen=True)
         self._pass(given.seconds, started)
         return self._exactly(given, started)
@@ -216,19 +209,20 @@ class Acting:
 
     def again(self, exact: bool) -> Shot:
         """The last moment once more, after the avatar or the sliders changed: nobody waits for the next picture."""
-        started, memory = self._clock(), self._memory
+        started, memory, source = self._clock(), self._memory, self.source
         followed, now = memory.attention.phase is Phase.TRACKING, memory.seconds or 0.0
-        if self._posed is not None and self._posed.avatar_sha256 == self._avatar.sha256:
-            return self._exactly(self._posed, started)
-        if self._face is not None and not self.refusal:
-            gone_over = FOR_GOOD if exact else 0.0
-            if self.settling.reason:  # this face was looked at before, and counts once
-                self.settling = go_over(self.settling, gone_over, self._tuning.neutral_strength)
+        if source.posed is not None and source.posed.avatar_sha256 == self._avatar.sha256:
+            return self._exactly(source.posed, started)
+        if source.face is not None and not self.refusal:
+            gone_over, strength = FOR_GOOD if exact else 0.0, self._tuning.neutral_strength
+            if source.settling.reason:  # this face was looked at before, and counts once
+                settling = go_over(source.settling, gone_over, strength)
             else:
-                self.settling = settle(self.settling, self._face, now, gone_over, self._tuning.neutral_strength)
-            memory = replace(follow(self._with_neutral(), _fresh(memory), self._face, 0.0), box=memory.box)
-        elif self._weights is not None:
-            memory = take_on(self._actor, _fresh(memory), self._of_weights(self._weights), 0.0)
+                settling = settle(source.settling, source.face, now, gone_over, strength)
+            self.source = replace(source, settling=settling)
+            memory = replace(follow(self._with_neutral(), _fresh(memory), source.face, 0.0), box=memory.box)
+        elif source.weights is not None:
+            memory = take_on(self._actor, _fresh(memory), self._of_weights(source.weights), 0.0)
         self._memory, pose = act(self._actor, memory, followed)
         return self._shot(pose, started, now, stages={"express": self._clock() - started})
 
@@ -237,11 +231,12 @@ class Acting:
         express = self._known.get(avatar.sha256)
         if express is None:
             express = self._known[avatar.sha256] = _express_of(avatar)
-        return actor_for(avatar, self._tracker, express, self._tuning, bool(HARD_TO_READ & set(self.hints.shown)))
+        return actor_for(avatar, self._tracker, express, self._tuning, self.source.hard_to_read)
 
     def _with_neutral(self) -> Actor:
-        assert self.settling.now is not None
-        return replace(self._actor, neutral=self.settling.now)
+        neutral = self.source.settling.now
+        assert neutral is not None
+        return replace(self._actor, neutral=neutral)
 
     def _of_weights(self, given: WeightsFrame) -> Answer:
         gem = self._avatar.gem
@@ -251,14 +246,14 @@ class Acting:
 
     def _elapsed(self, source_secs: float | None, now: float) -> float:
         """Seconds since the last moment, by the source where it is steady, else by the clock, which says ``now``."""
-        before = self._source_secs
+        before = self.source.secs
         if before is not None and source_secs is not None and 0 < source_secs - before <= LONGEST_DT:
             return source_secs - before
         return max(0.0, now - self._wall)
 
     def _pass(self, source_secs: float | None, now: float) -> None:
         """This moment is over; one that failed never was."""
-        self._source_secs, self._wall = source_secs, now
+        self.source, self._wall = replace(self.source, secs=source_secs), now
 
     def _advance(self, dt: float, seen: bool) -> None:
         """Time goes by without a picture."""
@@ -274,29 +269,29 @@ class Acting:
             memory = replace(memory, thumbnail=None)
         if exact:
             memory = _fresh(memory)
-        if self._relock:
-            self._relock = False
+        if self.source.relock:
+            self.source = replace(self.source, relock=False)
             other = lock_next(self._tracker, rgb, memory.box)
             if other:
                 memory = replace(memory, box=None)
-                if self.settling.given is None:
-                    self.settling = Settling(now=self.settling.now)  # another person rests in another way
+                if self.source.settling.given is None:  # another person rests in another way
+                    self.source = replace(self.source, settling=Settling(now=self.source.settling.now))
         return memory
 
     def _look_for_hints(self, observed: Observed | None, dt: float, rate: float | None) -> None:
         signs: set[Sign] = set()
         if observed is not None and self._memory.turn is not None:
             signs = signs_of(observed, self._memory.turn.value)
-            if not self.settling.settled:
+            if not self.source.settling.settled:
                 signs.add("settling")
         if rate is not None:
             signs.add("slow")
-        self._hint(update_hints(self.hints, signs, dt))
+        self._learn(replace(self.source, hints=update_hints(self.source.hints, signs, dt)))
 
-    def _hint(self, hints: Hints) -> None:
-        """What is said from now on of how the driver is seen; one who is hard to read is followed more smoothly."""
-        before, self.hints = self.hints, hints
-        if HARD_TO_READ & set(before.shown) != HARD_TO_READ & set(hints.shown):
+    def _learn(self, source: OneSource) -> None:
+        """What is known from now on of how the driver is seen; one who is hard to read is followed more smoothly."""
+        before, self.source = self.source, source
+        if before.hard_to_read != source.hard_to_read:
             self._actor = self._dressed(self._avatar)
 
     def _shot(

@@ -236,10 +236,10 @@ class Loop:
             rate=self._rate(now),
             source=link.name if link else "",
             pictured=link is not None and link.pictured,
-            hints=acting.hints.sentences if phase in ("tracking", "hold") else (),
+            hints=acting.source.hints.sentences if phase in ("tracking", "hold") else (),
             rejected=(link.rejected if link else 0) + self._failed + acting.unusable,
-            neutral=acting.settling.reason,
-            settled=acting.settling.settled,
+            neutral=acting.source.settling.reason,
+            settled=acting.source.settling.settled,
             serial=self.serial,
         )
 
@@ -252,7 +252,7 @@ class Loop:
             return state.phase, state.message, state.cure
         if state.phase == "over" or source is None:
             return "no source", state.message, state.cure
-        phase = _PHASES[self.acting.phase if self.acting.phase is Phase.SEARCHING else self.acting.attention]
+        phase = _PHASES[self.acting.phase]
         if self._trouble[0]:
             return phase, *self._trouble
         if source.kind == "weights" and now - self._delivered_at > SILENT_SECS:

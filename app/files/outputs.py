@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..errors import OutputError, UsageError
+from .pictures import drawn_here
 from .recipes import recipe_in
 from .sinks import FRAME_NAME, VIDEO_SUFFIXES, partial_name
 
@@ -62,17 +63,28 @@ def keep_inputs(outs: Iterable[Path | None], inputs: Iterable[Path | None]) -> N
             raise UsageError(f"{out}: two results would have this name; choose another one")
 
 
-def keep_strangers(outs: Iterable[Path]) -> None:
-    """Sees that no video is written over which no run made: for results whose names nobody typed.
+def keep_strangers(outs: Iterable[Path | None]) -> None:
+    """Sees that no video and no PNG is written over which no run made: for files whose names nobody typed.
 
     Raises OutputError, naming it.
     """
-    for out in outs:
-        if is_video(out) and _is_there(out) and not recipe_in(out):
+    for out in filter(None, outs):
+        if _is_there(out) and _is_strange(out):
+            passed_by = " (--resume passes it by)" if is_video(out) else ""
             raise OutputError(
                 f"{out}: is there already, and nothing in it says that a run made it; choose another folder, or rename"
-                " it (--resume passes it by)"
+                f" it{passed_by}"
             )
+
+
+def _is_strange(out: Path) -> bool:
+    """Whether a file that is there does not say that a run made it."""
+    if is_video(out):
+        return not recipe_in(out)
+    try:
+        return out.is_file() and not drawn_here(out)
+    except OSError:  # what nobody may read is not ours
+        return True
 
 
 def _is_there(path: Path) -> bool:

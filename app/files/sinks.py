@@ -12,19 +12,17 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import av
-import numpy as np
 from av.video.frame import PictureType
 from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
-from numpy.typing import NDArray
 
 from ...models.mediafile import open_media
 from ...models.wholefile import behind_links, marked, write_whole
+from ...render.arrays import Image
 from ..errors import OutputError, UsageError
 from .audio import AudioCopy
 from .claim import open_claimed
 from .recipes import KEY
 
-Image = NDArray[np.uint8]
 VIDEO_SUFFIXES = (".mp4", ".mov", ".webm")
 FRAME_NAME = re.compile(r"frame_\d{6,}\.png")
 """Of the pictures in a folder of results."""

@@ -9,12 +9,12 @@ from ...models.driver.answer import Express
 from ...models.driver.face import FaceObservation, FaceTracker
 from ...models.driver.features import feature_vector, head_rotation, relative_rotation
 from ...models.gem import Gem
+from ...render.arrays import Floats32
 from ...render.camera import Camera
 from ...render.compositing import over
 from ...render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 from ...render.software import SoftwareEngine
 
-Floats = NDArray[np.float32]
 _UPRIGHT = np.diag([1.0, -1.0, -1.0])
 """The tracker's axes (y up, looking along -z) in those of the camera (y down, along +z)."""
 FACE_FORWARD = 0.3
@@ -25,11 +25,11 @@ FACE_FORWARD = 0.3
 class Guess:
     """An expression and a pose."""
 
-    coefficients: Floats
+    coefficients: Floats32
     """[coefficients]."""
-    turn: Floats
+    turn: Floats32
     """[3] radians."""
-    move: Floats
+    move: Floats32
     """[3] metres."""
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...models.driver.answer import Express
 from ...models.driver.face import MOST_SIDE
 from ...render.camera import Camera
+from ..credentials.papers import driver_of
 from ..errors import ExitCode, InputError, TrainingExtra, UsageError
 from ..files.frames import Frame
 from ..files.pictures import write_png
@@ -89,7 +90,8 @@ def run_fitting(picture: str, out: Path, avatar: Path, wish: FitWish) -> ExitCod
         return code
     poses = tuple(fitted.pose for fitted in frames)
     pts = np.array([fitted.pts for fitted in frames], np.int64)
-    save_track(Track(cast.gem.name, cast.sha256, source.time_base, source.rate, pts, poses), out)
+    driver = driver_of(picture, None).sha256
+    save_track(Track(cast.gem.name, cast.sha256, source.time_base, source.rate, pts, poses, driver), out)
     if wish.errors is not None:
         write_png(fitter.worst, wish.errors)
     print(_told(out, frames))

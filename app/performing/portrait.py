@@ -14,16 +14,16 @@ BELOW_HEADS = (1 - HEAD_MIDDLE) / HEAD_SHARE
 that busts end."""
 FIELD_OF_VIEW_DEG = 18.0
 """Vertical: a long lens, which leaves noses their size."""
-NARROWEST = 0.8
-"""Pictures narrower than this part of their height show a smaller head instead of cutting its sides off; the room that
-this leaves is above it."""
+LEAST_WIDTH_HEADS = 1.0
+"""Pictures in which the head would not have so many of its heights from side to side show a smaller one; the room that
+this leaves is above it. The heads of the shipped avatars are not cut off then, turned by 30 degrees or tilted by 15."""
 MOST_PITCH_DEG = 89.0
 """Right above a head no side of the picture is up."""
 
 
 def portrait(viewing: Viewing, width: int, height: int, yaw_deg: float = 0.0, pitch_deg: float = 0.0) -> Camera:
     """The camera of a head-and-shoulders portrait, ``width`` x ``height`` pixels."""
-    share = HEAD_SHARE * min(1.0, width / height / NARROWEST)
+    share = min(HEAD_SHARE, width / height / LEAST_WIDTH_HEADS)
     picture_height = viewing.head_height / share
     distance = picture_height / 2 / tan(radians(FIELD_OF_VIEW_DEG) / 2)
     x, y, z = viewing.target

@@ -49,6 +49,8 @@ class Track:
     pts: NDArray[np.int64]
     """[F] presentation times in units of ``time_base``, rising."""
     poses: tuple[Pose, ...]
+    driver_sha256: str = ""
+    """Of what was tracked, as credentials say it; empty where nobody knows, as in tracks of before."""
 
     @property
     def frame_count(self) -> int:
@@ -84,6 +86,7 @@ def save_track(track: Track, path: Path) -> None:
         "version": VERSION,
         "avatar": track.avatar,
         "avatar_sha256": track.avatar_sha256,
+        "driver_sha256": track.driver_sha256,
         "time_base": str(track.time_base),
         "rate": str(track.rate),
     }
@@ -152,4 +155,5 @@ def _checked(about: object, tensors: dict[str, NDArray[np.generic]]) -> Track:
         )
         for i in range(frames)
     )
-    return Track(str(about["avatar"]), str(about["avatar_sha256"]), time_base, rate, pts, poses)
+    driver = str(about.get("driver_sha256", ""))
+    return Track(str(about["avatar"]), str(about["avatar_sha256"]), time_base, rate, pts, poses, driver)

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.driver.face import FaceObservation
 from ...models.driver.neutral import Candidate
+from ...render.arrays import Image
 from ..files.frames import Frame
 
-Image = NDArray[np.uint8]
 COLUMNS = 3
 FACE_PX = 256
 """Side of one face's picture."""

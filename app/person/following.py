@@ -13,10 +13,10 @@ from ...models.driver.features import feature_vector, head_rotation, relative_ro
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.smoothing import OneEuro, Smoothed, step
 from ...models.gem import Gem
+from ...render.arrays import Floats
 from ..files.frames import Frame, is_cut, thumbnail
 from ..performing.presence import HOLD_SECS, Attention, update
 
-Floats = NDArray[np.floating]
 EXPRESSION_FILTER = OneEuro(min_cutoff_hz=2.0, beta=1.0, together=True)
 """On coefficients in units of their sigma. On a talking face it takes 30 % of the tremble (second differences) and
 keeps a correlation of .98 to .996 for smile, jaw and blink; with one cutoff a coefficient the smile falls to .86."""
@@ -99,6 +99,20 @@ class Memory:
     idle_since: float = 0.0
     unusable: int = 0
     """Expressions that were not finite, in the place of which the last good one stayed."""
+
+    def for_another_source(self) -> "Memory":
+        """What the avatar shows, to be eased from, and the time; nothing of who was followed, and in which scene."""
+        return Memory(
+            attention=self.attention,
+            seconds=self.seconds,
+            expression=self.expression,
+            turn=self.turn,
+            shown_turn=self.shown_turn,
+            misread=self.misread,
+            translation=self.translation,
+            clamped=self.clamped,
+            idle_since=self.idle_since,
+        )
 
 
 @dataclass(frozen=True)

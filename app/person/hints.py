@@ -6,8 +6,9 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from ...render.arrays import Floats
 from ..performing.shots import Observed
-from .following import TURNED_DEG, Floats
+from .following import TURNED_DEG
 
 Sign = Literal["dark", "backlit", "blurred", "far", "slow", "two faces", "turned", "settling"]
 

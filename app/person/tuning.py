@@ -11,8 +11,9 @@ from ...models.driver.answer import Express
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.smoothing import OneEuro
 from ...models.gem import Gem
+from ...render.arrays import Floats
 from ..performing.casting import Avatar
-from .following import EXPRESSION_FILTER, MISREAD_FILTER, TURN_FILTER, Actor, Floats, Tracker
+from .following import EXPRESSION_FILTER, MISREAD_FILTER, TURN_FILTER, Actor, Tracker
 
 Group = Literal["mouth", "eyes", "brows", "head"]
 GROUPS: tuple[Group, ...] = get_args(Group)

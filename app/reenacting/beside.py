@@ -1,9 +1,9 @@
 """Side by side: the driver's picture to the left of the avatar's."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.uint8]
+from ...render.arrays import Image
+
 ROUNDED_PX = 2
 """So much narrower or lower pictures fill the room: a video's width is rounded to an even number."""
 WIDEST = 3

@@ -12,6 +12,7 @@ from typing import Any
 
 from ...models.driver.face import FaceTracker
 from ...models.wholefile import file_sha256
+from ...render.arrays import Image
 from ...render.engines import Engine
 from ..credentials.badge import badged
 from ..credentials.origin import origin_of
@@ -27,7 +28,7 @@ from ..files.recipes import recipe_of
 from ..files.sinks import TIMES_FILE, FolderSink, Sink, VideoSink
 from ..files.sources import Source, files_of, files_sha256, open_source
 from ..files.video import VideoFile
-from ..live import Image, Stage, perform, run_offline
+from ..live import Stage, perform, run_offline
 from ..performing.casting import Avatar, expression_of
 from ..performing.performance import Pose
 from ..performing.portrait import portrait
@@ -121,7 +122,7 @@ class OneDriver:
 
     def _performance(self, source: Source | None) -> Iterable[_Shot]:
         if self._cast.track is not None:
-            return iter(self._cast.track) if source is None else _paired(self._cast.track, source)
+            return iter(self._cast.track) if source is None else self._beside(self._cast.track, source)
         assert source is not None
         assert self._cast.tracker is not None
         with self.watch("neutral"):
@@ -144,6 +145,16 @@ class OneDriver:
             head_pose=self._wish.head_pose,
         )
         return self._with_a_face(perform(actor, ahead(source.frames()), self.watch), source)
+
+    def _beside(self, track: Track, source: Source) -> Iterator[_Shot]:
+        """A track with a driver, of which is told when it is another file: times alone do not tell two videos apart,
+        and what was only given another sound may be meant."""
+        if track.driver_sha256 not in ("", driver_of(str(source.path), None).sha256):
+            self._bar.say(
+                f"{source.path}: is not the file that {self._wish.track} was made of; if it does not show the same,"
+                " give the one that was tracked, or track this one"
+            )
+        return _paired(track, source)
 
     def _with_a_face(self, performance: Iterable[_Shot], source: Source) -> Iterator[_Shot]:
         """A performance in which somebody is followed. Raises NoFaceError at its end where nobody was: then what was

@@ -54,8 +54,8 @@ def reenact(drivers: list[str], out: str, wish: Wish, report: Path | None = None
         [*(result for _, result in jobs), *sheets, report],
         [*(file for driver in drivers for file in files_of(driver)), wish.neutral.picture, wish.avatar, wish.track],
     )
-    if len(jobs) > 1 and not wish.resume:
-        keep_strangers(result for _, result in jobs)
+    if len(jobs) > 1:
+        keep_strangers([*sheets, *(result for _, result in jobs if not wish.resume)])
     check_places(report, *sheets)
     outcomes: list[Outcome] = []
     failure: BaseException | None = None

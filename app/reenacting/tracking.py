@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ...models.driver.face import FaceTracker
+from ..credentials.papers import driver_of
 from ..errors import ExitCode, NoFaceError
 from ..files.outputs import keep_inputs
 from ..files.places import check_places
@@ -58,8 +59,15 @@ def run_tracking(
             return code
         if tally.without_face == tally.frames:
             raise NoFaceError(f"{driver}: no face in any frame, so there is nothing to keep; check the clip")
-        pts_array = np.array(times, np.int64)
-        track = Track(cast.gem.name, cast.sha256, source.time_base, source.rate, pts_array, tuple(poses))
+        track = Track(
+            avatar=cast.gem.name,
+            avatar_sha256=cast.sha256,
+            time_base=source.time_base,
+            rate=source.rate,
+            pts=np.array(times, np.int64),
+            poses=tuple(poses),
+            driver_sha256=driver_of(driver, None).sha256,
+        )
         kept = partial_name(out) if code else out
         save_track(track, kept)
         stopped = "stopped after " if code else ""

@@ -2,8 +2,9 @@
 
 import time
 
+from ...render.arrays import Image
 from ..performing.performance import Pose
-from .outlet import Image, Marks, Opener, Shown
+from .outlet import Marks, Opener, Shown
 from .worker import Report, Worker
 
 

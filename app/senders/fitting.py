@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from .outlet import Image
+from ...render.arrays import Image
 
 Size = tuple[int, int]
 """Width and height in pixels."""

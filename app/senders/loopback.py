@@ -13,9 +13,9 @@ from pathlib import Path
 import av
 import numpy as np
 
+from ...render.arrays import Image
 from ..errors import OutputError
 from .fitting import Size
-from .outlet import Image
 
 SYSTEM_FOLDER = Path("/sys/class/video4linux")
 DEVICES = Path("/dev")

@@ -4,13 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...render.arrays import Image
 from ..credentials.origin import Origin
 from ..performing.performance import Pose
-
-Image = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 
 from ...models.wholefile import settle, whose
+from ...render.arrays import Image
 from ..credentials.badge import badged
 from ..credentials.papers import Papers
 from ..credentials.signing import open_signer
@@ -14,7 +15,7 @@ from ..credentials.statement import Driver, Statement
 from ..errors import OutputError
 from .fitting import Size, fitted
 from .folder import made
-from .outlet import Image, Shown
+from .outlet import Shown
 
 STEM = "gemheads"
 

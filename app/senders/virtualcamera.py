@@ -3,11 +3,12 @@
 import sys
 from typing import Any, Protocol
 
+from ...render.arrays import Image
 from ..credentials.badge import badged
 from ..errors import OutputError
 from .fitting import Size, even, fitted
 from .loopback import INSTALL, MAKE_ONE, Loopback, LoopbackCamera, loopbacks
-from .outlet import Image, Shown
+from .outlet import Shown
 
 CHROMA_GREEN = (0, 177, 64)
 """Behind what is transparent: a camera knows no alpha, and a stream can key this colour out."""

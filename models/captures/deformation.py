@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 MAX_STRETCH = 2.0
 """A surface grows or shrinks by this factor at most: triangles between closed lips or lids have next to no area."""

@@ -1,11 +1,10 @@
 """The head's pose in tracked meshes: taken out where it is known, estimated where it is not."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.rotations import rotvec_from_matrix
 
-Floats = NDArray[np.floating]
 _ROUNDS = 12
 _FLOOR_M = 2e-4
 

@@ -4,9 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.camera import Camera
-
-Floats = NDArray[np.floating]
 
 
 def see(

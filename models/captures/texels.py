@@ -7,12 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ...render.rotations import matrix_from_wxyz, sign_aligned, wxyz_from_matrix
 from .deformation import RestMesh, across, guarded, orthonormal
 from .uvraster import cover
-
-Floats = NDArray[np.floating]
 
 FOOTPRINT = 0.6
 """Standard deviation of a splat along the surface in distances between texels: less leaves holes, more blurs."""

@@ -6,14 +6,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .deformation import vertex_normals
 from .headmotion import posed
 from .layout import CaptureError, Shot
 from .meshview import see
 from .reader import Capture
 from .texels import Texels
-
-Floats = NDArray[np.floating]
 
 SHOTS = 96
 """Pictures that are looked at: spread over moments and cameras."""

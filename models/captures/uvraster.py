@@ -4,7 +4,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 
 def cover(uv: Floats, triangles: NDArray[np.integer], size: int) -> tuple[NDArray[np.int32], NDArray[np.float32]]:

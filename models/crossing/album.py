@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .reading import Image
+from ...render.arrays import Image
 
 SIDE = 192
 """Of a picture, pixels."""

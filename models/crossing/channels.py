@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...render.arrays import Floats64
 from ..driver.features import relative_rotation, score
-from .reading import LANDMARKS, Array, Reading, Readings
+from .reading import LANDMARKS, Reading, Readings
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,11 @@ STILL = 1e-9
 """Standard deviation of what does not move at all."""
 
 
-def table(readings: Readings, neutral: Reading) -> Array:
+def table(readings: Readings, neutral: Reading) -> Floats64:
     """[F, channels] in the order of CHANNELS, relative to the neutral; rotations in degrees."""
     relative = readings.features - neutral.features
 
-    def mean(*names: str) -> Array:
+    def mean(*names: str) -> Floats64:
         return np.mean([score(relative, name) for name in names], axis=0)
 
     horizontal = mean("eyeLookOutLeft", "eyeLookInRight") - mean("eyeLookInLeft", "eyeLookOutRight")
@@ -67,12 +68,12 @@ def table(readings: Readings, neutral: Reading) -> Array:
     return np.concatenate([np.stack(scores, 1), readings.landmarks - neutral.landmarks], 1)
 
 
-def moving(driver: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def moving(driver: Floats64) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     """[channels] whether a driver's table shows that he does it at all."""
     return driver.std(0) >= [channel.floor for channel in CHANNELS]
 
 
-def correlations(driver: Array, avatar: Array) -> Array:
+def correlations(driver: Floats64, avatar: Floats64) -> Floats64:
     """[channels] correlation over frames of two tables; NaN where the driver stays under the channel's floor."""
     answer = np.full(len(CHANNELS), np.nan)
     for i in np.flatnonzero(moving(driver)):
@@ -81,12 +82,12 @@ def correlations(driver: Array, avatar: Array) -> Array:
     return answer
 
 
-def amplitudes(driver: Array, avatar: Array) -> Array:
+def amplitudes(driver: Floats64, avatar: Floats64) -> Floats64:
     """[channels] how far the avatar moves over how far the driver moves (standard deviations)."""
     return avatar.std(0) / np.maximum(driver.std(0), STILL)
 
 
-def unrests(driver: Array, avatar: Array) -> Array:
+def unrests(driver: Floats64, avatar: Floats64) -> Floats64:
     """[channels] unrest (second differences over time) of the avatar over that of the driver, each over its range."""
     unrest = [np.sqrt((np.diff(x, 2, axis=0) ** 2).mean(0)) / np.maximum(x.std(0), STILL) for x in (driver, avatar)]
     return unrest[1] / np.maximum(unrest[0], STILL)

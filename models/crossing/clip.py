@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64, Image
 from ..driver.face import FaceObservation, FaceTracker, looked
 from ..driver.neutral import NeutralChoice, choose_neutral, other_neutrals
 from .album import Album, bound, face_square, packed
-from .reading import LOOKS_APART, Array, Image, Reading, Readings, read, stacked
+from .reading import LOOKS_APART, Reading, Readings, read, stacked
 
 MOST_FRAMES = 3000
 """Of a clip: 40 MB of readings and pictures."""
@@ -32,7 +33,7 @@ class Clip:
     """One driver; F frames in which a face was seen."""
 
     readings: Readings
-    times: Array
+    times: Floats64
     """[F] seconds."""
     neutral: Reading
     neutral_time: float

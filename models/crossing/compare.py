@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64
 from .channels import CHANNELS, SCORE_CHANNELS, amplitudes, correlations, moving, table, unrests
 from .clip import Clip
 from .embedding import Agreement, agreement
 from .loop import Echo
-from .reading import Array
 
 FEWEST_SEEN = 3
 """Frames: an avatar that is seen in fewer follows nothing."""
@@ -24,15 +24,15 @@ STILL_FLOORS = 3.0
 class Likeness:
     """Figures by channel, in the order of CHANNELS, over the frames in which driver and avatar were seen."""
 
-    correlation: Array
+    correlation: Floats64
     """[channels] NaN where the driver hardly moves."""
-    amplitude: Array
+    amplitude: Floats64
     """[channels] avatar over driver."""
-    unrest: Array
+    unrest: Floats64
     """[channels] the same of second differences over time, each over its range."""
-    driver_std: Array
+    driver_std: Floats64
     """[channels]"""
-    avatar_std: Array
+    avatar_std: Floats64
     """[channels]"""
 
 
@@ -58,11 +58,11 @@ class Compared:
     likeness: Likeness
     agreement: Agreement | None
     """None where the avatar was hardly seen."""
-    driver: Array
+    driver: Floats64
     """[S, channels] over the S frames in which both were seen, relative to the own neutral ..."""
-    avatar: Array
+    avatar: Floats64
     """... and the avatar."""
-    times: Array
+    times: Floats64
     """[S] seconds."""
     worst: tuple[Worst, ...]
     """At most WORST, the worst first."""
@@ -86,7 +86,7 @@ def compare(clip: Clip, shown: Echo) -> Compared:
     )
 
 
-def likeness(driver: Array, avatar: Array) -> Likeness:
+def likeness(driver: Floats64, avatar: Floats64) -> Likeness:
     """Of two tables [F, channels] of the same frames, FEWEST_SEEN or more."""
     unrest = unrests(driver, avatar)
     return Likeness(correlations(driver, avatar), amplitudes(driver, avatar), unrest, driver.std(0), avatar.std(0))
@@ -100,7 +100,7 @@ def relative_embeddings(clip: Clip, shown: Echo) -> tuple[NDArray[np.float32], N
     )
 
 
-def worst_frames(times: Array, seen: NDArray[np.bool_], driver: Array, avatar: Array) -> tuple[Worst, ...]:
+def worst_frames(times: Floats64, seen: NDArray[np.bool_], driver: Floats64, avatar: Floats64) -> tuple[Worst, ...]:
     """The frames that disagree most in any one channel, apart in time, the worst first.
 
     Channels are compared by standard deviations from their own means, as correlation does; those that the driver does
@@ -137,14 +137,14 @@ def worst_frames(times: Array, seen: NDArray[np.bool_], driver: Array, avatar: A
     return tuple(worst)
 
 
-def _standardised(values: Array, moved: NDArray[np.bool_]) -> Array:
+def _standardised(values: Floats64, moved: NDArray[np.bool_]) -> Floats64:
     """[S, channels] away from the mean; ``moved`` [channels] says which the driver moves."""
     floors = np.array([channel.floor for channel in SCORE_CHANNELS])
     scale = np.where(moved, np.maximum(values.std(0), floors / 4), STILL_FLOORS * floors)
     return (values - values.mean(0)) / scale
 
 
-def _nothing(driver: Array) -> Likeness:
+def _nothing(driver: Floats64) -> Likeness:
     """What an avatar that is hardly ever seen is like."""
     none = np.zeros(len(CHANNELS))
     return Likeness(np.where(moving(driver), 0.0, np.nan), none, np.full(len(CHANNELS), np.nan), driver.std(0), none)

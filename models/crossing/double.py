@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64, Image
 from ..driver.face import FaceTracker, looked
 from .channels import CHANNELS, correlations, table
 from .clip import Clip
 from .compare import FEWEST_SEEN
-from .reading import Array, Image, Reading, Readings, read, stacked
+from .reading import Reading, Readings, read, stacked
 
 SWAPPED = ("gaze horizontal", "yaw", "roll", "iris horizontal")
 """Channels that change their sign in a mirror."""
@@ -50,7 +51,7 @@ def mirrored(clip: Clip, frames: Iterable[tuple[Image, float]]) -> Double:
     return Double(stacked(readings or [clip.neutral]).only(np.arange(len(readings))), seen)
 
 
-def double_correlations(clip: Clip, double: Double) -> Array:
+def double_correlations(clip: Clip, double: Double) -> Floats64:
     """[channels] correlation over frames of driver and double; NaN where the driver hardly moves, or the double was
     hardly seen."""
     if double.seen.sum() < FEWEST_SEEN:

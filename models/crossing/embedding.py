@@ -7,9 +7,9 @@ each person's relative to that person's own neutral. Figures of the two are not 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
+
 _LEAST = 1e-12
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Image
 from ...render.camera import orbit
 from ...render.compositing import over
 from ...render.software import SoftwareEngine
@@ -10,7 +11,7 @@ from ..driver.answer import Answer
 from ..driver.face import FaceTracker, looked
 from ..gem import Gem
 from ..posing import pose_head
-from .reading import Image, Reading, read
+from .reading import Reading, read
 
 LOOKS = 4
 """At a still picture, until the tracker's region has settled."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64
 from ..driver.answer import Express
 from ..gem import Gem
 from .channels import CHANNELS, table
@@ -14,7 +15,7 @@ from .compare import FEWEST_SEEN, likeness
 from .extent import Extent, extent
 from .loop import answered
 from .mirror import Mirror
-from .reading import LOOKS_APART, Array, Reading, stacked
+from .reading import LOOKS_APART, Reading, stacked
 
 FRAMES = 24
 """Of a clip, evenly spread, under each neutral."""
@@ -24,7 +25,7 @@ FRAMES = 24
 class Swayed:
     """What N neutrals make of one clip, the chosen one first."""
 
-    correlations: Array
+    correlations: Floats64
     """[N, channels] NaN where the driver hardly moves."""
     means: NDArray[np.float32]
     """[N, n] mean coefficients."""
@@ -60,7 +61,7 @@ def sway(clip: Clip, express: Express, mirror: Mirror, progress: Callable[[], No
     return Swayed(np.stack(found), np.stack(means))
 
 
-def spread_of_correlations(swayed: Swayed) -> Array:
+def spread_of_correlations(swayed: Swayed) -> Floats64:
     """[channels] standard deviation over the neutrals; NaN where the driver hardly moves under the chosen one."""
     return swayed.correlations.std(0)
 

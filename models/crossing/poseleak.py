@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64
 from ..driver.answer import Express
 from ..gem import Gem
 from .extent import Extent, extent
 from .loop import answered
 from .mirror import LOOKS, Mirror, UnseenAvatar
-from .reading import LOOKS_APART, Array, Reading, Readings, stacked
+from .reading import LOOKS_APART, Reading, Readings, stacked
 
 YAW_DEG, PITCH_DEG = 20.0, 15.0
 """How far to either side, and up and down."""
@@ -26,7 +27,7 @@ class Turned:
 
     readings: Readings
     """[T] where the tracker saw it."""
-    angles: Array
+    angles: Floats64
     """[T, 2] yaw and pitch, degrees."""
     neutral: Reading
     """Straight ahead."""
@@ -42,7 +43,7 @@ class Leak:
     """Over the whole path."""
 
 
-def path() -> Array:
+def path() -> Floats64:
     """[T, 2] yaw and pitch in degrees: to each side, up and down, and around."""
     out = np.linspace(0, 1, SIDE_STEPS + 1)[1:]
     back = out[::-1]

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64
 from ..driver import points
 from ..driver.face import FaceObservation
 from ..driver.features import feature_vector, head_rotation
 
-Array = NDArray[np.float64]
-Image = NDArray[np.uint8]
 LOOKS_APART = 2
 """At a picture that does not follow the one before at once. The tracker cuts a face out where it was last; where only
 each fourth frame is read it is not there any more, brows are read off first, and what is read agrees less than what
@@ -26,9 +25,9 @@ class Reading:
 
     features: NDArray[np.float32]
     """[D] feature vector."""
-    rotation: Array
+    rotation: Floats64
     """[3] head rotation, radians."""
-    landmarks: Array
+    landmarks: Floats64
     """[6] LANDMARKS, in units of the distance between the outer eye corners."""
     embedding: NDArray[np.float32]
     """[512] of the tracker's landmark network."""
@@ -40,9 +39,9 @@ class Readings:
 
     features: NDArray[np.float32]
     """[F, D]"""
-    rotations: Array
+    rotations: Floats64
     """[F, 3]"""
-    landmarks: Array
+    landmarks: Floats64
     """[F, 6]"""
     embeddings: NDArray[np.float32]
     """[F, 512]"""
@@ -73,7 +72,7 @@ def stacked(readings: Sequence[Reading]) -> Readings:
     )
 
 
-def landmark_distances(px: Array) -> Array:
+def landmark_distances(px: Floats64) -> Floats64:
     """LANDMARKS [6] of a picture's landmarks [478, 3]."""
     sides = (
         (points.RIGHT_EYE_OUTER, points.RIGHT_EYE_INNER, points.RIGHT_IRIS, (159, 145), points.RIGHT_BROW),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Image
 from ..driver.answer import Express
 from ..driver.face import FaceTracker
 from ..driver.smoothing import OneEuro, Smoothed, step
@@ -13,7 +14,7 @@ from ..gem import Gem
 from .clip import Clip, UnseenDriver
 from .extent import Extent, extent
 from .loop import answered
-from .reading import Image, Reading, Readings, read, stacked
+from .reading import Reading, Readings, read, stacked
 from .webcam import QUALITY, READ_NOISE, SHOT_NOISE, resensed
 
 FRAMES = 75

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from .reading import Image
+from ...render.arrays import Image
 
 READ_NOISE, SHOT_NOISE = 0.002, 0.0004
 """Standard deviation in the dark, and variance per light, in parts of full scale of linear light: at mid grey two to

@@ -4,14 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..gem import Gem
 from .axes import drawn_turn
 from .baseline import baseline_weights
 from .nodding import nodding_of
-
-Floats = NDArray[np.floating]
 
 
 @dataclass(frozen=True)

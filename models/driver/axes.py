@@ -8,9 +8,8 @@ forward: to one side and by a few degrees on each of five heads, so a matter of 
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 LEAN_DEG = 3.2
 """By which the axes lean: who looks aside by 20 degrees seems to tilt by 1.1."""

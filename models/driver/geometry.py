@@ -10,9 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64
 from .protobuf import fields, message
-
-Floats = NDArray[np.float64]
 
 VERTICES = 468
 FIELD_OF_VIEW_DEG = 20.0
@@ -33,16 +32,16 @@ class Anchor:
     Akca, "Generalized Procrustes analysis" (2003), section 2.2.
     """
 
-    centre: Floats
+    centre: Floats64
     """[3] weighted mean of the points."""
-    shares: Floats
+    shares: Floats64
     """[n] weights, sum 1."""
-    weighted: Floats
+    weighted: Floats64
     """[n, 3] the points from their centre, times their shares: its columns sum to 0."""
     spread: float
     """Weighted mean of the squared distances from the centre."""
 
-    def similarity(self, target: Floats) -> tuple[float, Floats, Floats]:
+    def similarity(self, target: Floats64) -> tuple[float, Floats64, Floats64]:
         """Scale, rotation [3, 3] and translation [3] that bring the points nearest to ``target`` [n, 3]."""
         covariance = target.T @ self.weighted
         u, _, vt = np.linalg.svd(covariance)
@@ -53,7 +52,7 @@ class Anchor:
         return scale, rotation, self.shares @ target - scale * rotation @ self.centre
 
 
-def anchor(points: Floats, weights: Floats) -> Anchor:
+def anchor(points: Floats64, weights: Floats64) -> Anchor:
     """The anchor of ``points`` [n, 3] with ``weights`` [n] >= 0."""
     shares = weights / weights.sum()
     centre = shares @ points
@@ -65,9 +64,9 @@ def anchor(points: Floats, weights: Floats) -> Anchor:
 class FaceGeometry:
     """The canonical face: cm, x to the person's left, y up, z out of the face."""
 
-    vertices: Floats
+    vertices: Floats64
     """[468, 3] cm."""
-    weights: Floats
+    weights: Floats64
     """[468] >= 0, zero for all but the 33 points that Procrustes looks at."""
     basis: NDArray[np.intp]
     """[33] which those are."""
@@ -97,7 +96,7 @@ def read_geometry(content: bytes) -> FaceGeometry:
     return FaceGeometry(flat.reshape(VERTICES, 5)[:, :3].astype(np.float64), weights, np.flatnonzero(weights))
 
 
-def metric_pose(landmarks_px: Floats, width: int, height: int, geometry: FaceGeometry) -> tuple[Floats, Floats]:
+def metric_pose(landmarks_px: Floats64, width: int, height: int, geometry: FaceGeometry) -> tuple[Floats64, Floats64]:
     """Head pose and pose-normalised landmarks.
 
     Args:
@@ -117,7 +116,7 @@ def metric_pose(landmarks_px: Floats, width: int, height: int, geometry: FaceGeo
     depth = screen[:, 2]
     depth += _NEAR_CM - depth[:VERTICES].mean()
 
-    def unprojected(points: Floats, scale: float) -> Floats:
+    def unprojected(points: Floats64, scale: float) -> Floats64:
         metric = points * (points[:, 2:] / (_NEAR_CM * scale))
         metric[:, 2] = points[:, 2] / -scale  # landmark depth grows away, the metric frame looks along -z
         return metric

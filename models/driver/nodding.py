@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .. import arkit
 from ..gem import Gem
-
-Floats = NDArray[np.floating]
 
 READ_AS_PITCH_DEG = {
     "browInnerUp": -2.6,

@@ -7,9 +7,8 @@ CHI 2012; the equations are numbered as there.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 
 @dataclass(frozen=True)

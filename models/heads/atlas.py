@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 
 def lay_out(canvas: Floats, part: NDArray[np.integer], size: int) -> NDArray[np.uint16]:

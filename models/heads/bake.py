@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ..arkit import NAMES
 from ..distill import distill
@@ -23,8 +24,6 @@ from .soup import HAIR, SKIN, TEETH, TONGUE, VEIL
 from .splats import Rider, posed
 from .teeth import opacity_logit
 from .veil import Veil
-
-Floats = NDArray[np.floating]
 
 UV_SIZE = 160
 MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..arkit import NAMES
 from .cheeks import LIFTED, lifted
 from .ingredients import Ingredients
@@ -14,8 +15,6 @@ from .mesh import QuadMesh, load_base, load_target, subdivide, triangulate, vert
 from .people import Person
 from .soup import SKIN, Surface
 from .units import face_units
-
-Floats = NDArray[np.floating]
 
 CROP_BELOW_CROWN = 3.75
 """Decimetres of body kept below the crown: head, neck and the top of the shoulders."""

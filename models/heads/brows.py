@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.camera import Camera
 from ..captures.meshview import see
 from .head import Head
@@ -15,8 +16,6 @@ from .mesh import load_base
 from .people import Person
 from .proxies import load_proxy
 from .soup import SKIN
-
-Floats = NDArray[np.floating]
 
 PIXEL = 0.25e-3
 """Metres a pixel of the frontal map."""

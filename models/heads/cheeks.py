@@ -1,9 +1,8 @@
 """Cheeks: what a smile does to them beyond MakeHuman's shapes, whose corners slide over a cheek that stays flat."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 MM = 1e-3
 OUTWARD_MM, UPWARD_MM, GROOVE_MM = 3.4, 1.6, 0.9

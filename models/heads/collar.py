@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 BEND, CURVED = 2.2, 0.09
 """The neckline rises by BEND x^2 metres, up to CURVED to either side."""

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ...render.arrays import Floats
 from ...render.camera import orbit
 from ..captures.meshview import see
 from .collar import collar_height, neckline
@@ -19,8 +20,6 @@ from .soup import EYES, HAIR, SKIN, TEETH, TONGUE
 from .splats import Rider, joined, ride
 from .strands import brow_rider, glint_rider, hair_rider, lash_rider
 from .veil import Veil, veil_of
-
-Floats = NDArray[np.floating]
 
 SHARES = {"lashes": 0.012, "brows": 0.026}
 """Parts of the budget that are strands; the rest lies on surfaces."""

@@ -1,11 +1,10 @@
 """Where skin folds when it is pushed together: forehead, brows, eyes, nose, cheeks and chin."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .noise import value_noise
 
-Floats = NDArray[np.floating]
 MM = 1e-3
 
 

@@ -4,17 +4,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from ...render.arrays import Floats, Floats32, Indices
 from .creases import creases
 from .head import Head
 from .light import irradiance, part_of_vertex
 from .shading import nearness
 from .skinflow import Neighbours, folded, neighbours_of, spread
 from .soup import SKIN
-
-Floats = NDArray[np.floating]
 
 LINE_DARKENS = 0.26, 0.42
 """Share of the light that the deepest line takes from skin without wrinkles, and from wrinkled skin."""
@@ -36,10 +34,10 @@ class Darkening:
     head: Head
     wrinkles: float
     """The person's, in [0, 1]."""
-    skin: NDArray[np.int64]
+    skin: Indices
     """[M] the vertices that matter, of skin."""
 
-    def lost(self, vertices: Floats, corners: NDArray[np.int64], weights: Floats) -> tuple[Floats, Floats]:
+    def lost(self, vertices: Floats, corners: Indices, weights: Floats) -> tuple[Floats, Floats]:
         """Of the light on points at rest, given by the vertices [N, 3] of their triangles and ``weights`` [N, 3], the
         share that a pose [V, 3] of the head takes: in shadows [N], and in lines [N] that fold there."""
         shadow = np.zeros(len(vertices))
@@ -51,7 +49,7 @@ class Darkening:
         lines = deepest * in_fold * creases(canvas, 0) * np.clip(1 - in_shadow / DROWNED, 0, 1)
         return in_shadow, lines
 
-    def _folded(self, vertices: Floats) -> NDArray[np.float32]:
+    def _folded(self, vertices: Floats) -> Floats32:
         """How much [V] in 0..1 skin is pushed together; on the forehead a wide band is by what MakeHuman's raised
         brows push together in a narrow one."""
         fold = folded(self.head.vertices, vertices, self._triangles, self._neighbours)
@@ -61,7 +59,7 @@ class Darkening:
         return np.where(self.head.canvas[:, 1] > FOREHEAD_M, np.clip(FOREHEAD_GAIN * wide[:, 0], 0, 1), fold)
 
     @cached_property
-    def _triangles(self) -> NDArray[np.int64]:
+    def _triangles(self) -> Indices:
         """Those of the skin at which one of its vertices lies."""
         skin = self.head.triangles[self.head.parts == SKIN]
         return skin[np.isin(skin, self.skin).any(1)]
@@ -84,7 +82,7 @@ class Darkening:
         return irradiance(self.head, vertices, hair, self.skin, RAYS_ACROSS).mean(1)
 
 
-def skin_of_face(head: Head) -> NDArray[np.int64]:
+def skin_of_face(head: Head) -> Indices:
     """[M] the vertices of the skin from the brows' height down to the chin, and as far back as the ears."""
     there = (head.canvas[:, 1] > -0.13) & (head.canvas[:, 2] > -0.09)
     return np.flatnonzero((part_of_vertex(head) == SKIN) & there)

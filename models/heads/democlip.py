@@ -16,8 +16,6 @@ from .bake import PIVOT, Subject, neck_weights, viewing_of
 from .expressions import weights_of
 from .performance import EMOTIONS, VISEMES, gaze, plausible
 
-Floats = NDArray[np.floating]
-
 SECONDS = 11.0
 RATE = 30
 SIZE = 512

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.camera import Camera
 from ..arkit import NAMES
 from ..captures.meshview import see
 from .soup import GLINTS, Surface
-
-Floats = NDArray[np.floating]
 
 GLINTS_TOWARD = ((-0.20, 0.17, 1.0), (0.24, -0.10, 1.0))
 """Where on an eyeball the key and the fill lamp are mirrored; they stay when the eye turns."""

@@ -3,12 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .head import Head
 from .light import irradiance, part_of_vertex
 from .performance import gaze
 from .soup import EYES, SKIN
-
-Floats = NDArray[np.floating]
 
 GLANCES = tuple((across / 3, up / 2) for across in range(-3, 4) for up in range(-1, 2))
 """Where the eyes look (see ``performance.gaze``) while it is seen what light reaches them."""

@@ -3,17 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
+from ...render.arrays import Floats, Indices
 from .head import Head
 from .mesh import vertex_normals
 from .soup import HAIR, SKIN
-
-Floats = NDArray[np.floating]
-Indices = NDArray[np.int64]
 
 CAP_TRIANGLES = 40
 """A piece of hair of fewer triangles is a single strand, which would float in the air."""

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .body import cut_skin, load_body
 from .eyeballs import eyeballs_of
 from .fitting import fitted_surfaces
@@ -15,8 +16,6 @@ from .mesh import vertex_normals
 from .people import Person
 from .puppet import Puppet
 from .soup import EYES, SKIN, TEETH, joined
-
-Floats = NDArray[np.floating]
 
 
 @dataclass(frozen=True)

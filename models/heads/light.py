@@ -5,11 +5,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ...render.arrays import Floats
 from .head import Head
 from .mesh import vertex_normals
 from .soup import HAIR, LASHES, SKIN, TEETH, TONGUE
-
-Floats = NDArray[np.floating]
 
 LAMPS = (
     # direction to the lamp, colour, concentration (von Mises-Fisher): key, fill, sky, two rims, floor

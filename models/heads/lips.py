@@ -6,11 +6,9 @@ MakeHuman's open mouth is a triangle on its point, and its pursed one hardly nar
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .mesh import QuadMesh, triangulate, vertex_normals
-
-Floats = NDArray[np.floating]
 
 CORNER, MIDDLE, LOWER = 7184, 474, 493
 """Vertices of the base mesh: the left corner of the mouth, and the middles of the lips' edges."""

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-Floats = NDArray[np.floating]
-Indices = NDArray[np.int64]
+from ...render.arrays import Floats, Indices
 
 
 @dataclass(frozen=True)

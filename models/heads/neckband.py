@@ -3,13 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .collar import collar_height, level_line
 from .shading import EXPOSURE, Shader, cloth, tone
 from .skin import points_of
 from .soup import SKIN
 from .splats import Rider, joined, ride
-
-Floats = NDArray[np.floating]
 
 ROWS = (-5.2e-3, -3.7e-3, -2.2e-3, -0.7e-3, 0.8e-3)
 """Metres above the neckline, along the skin, at which the band's rows lie; every other is shifted by half a step."""

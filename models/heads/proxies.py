@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-Floats = NDArray[np.floating]
-Indices = NDArray[np.int64]
+from ...render.arrays import Floats, Indices
 
 # Bits of a three.js face record: what follows the corner indices.
 _QUAD, _MATERIAL, _UV_FACE, _UV, _NORMAL_FACE, _NORMAL, _COLOR_FACE, _COLOR = (1 << bit for bit in range(8))

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..arkit import NAMES
-
-Floats = NDArray[np.floating]
 
 GAZE_DEG = {"Out": 30.0, "In": 30.0, "Up": 21.0, "Down": 25.0}
 """Degrees an eyeball turns at weight 1; further up or down the lids would hide the iris."""

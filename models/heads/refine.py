@@ -8,6 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ...render.arrays import Floats
 from ...render.camera import Camera, orbit
 from ...render.gaussians import RawGaussians, activate
 from ...render.projection import ALPHA_MAX, ALPHA_MIN, DILATION
@@ -18,8 +19,6 @@ from .performance import gaze
 from .shading import Shader
 from .soup import EYES, SKIN, TEETH, TONGUE
 from .splats import Rider, posed
-
-Floats = NDArray[np.floating]
 
 STEP = 1.6
 """Over-relaxation of the diagonal-preconditioned descent."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from ...render.arrays import Floats
 from .brows import BrowMap, paint_brows
 from .collar import collar_height
 from .expressions import weights_of
@@ -23,8 +24,6 @@ from .sides import Sides, around_eyes, sides_of
 from .skin import SkinMaps, albedo, load_skin_maps, mouth_shade, points_of
 from .soup import EYES, HAIR, SKIN, TEETH, TONGUE
 from .teeth import paint_teeth
-
-Floats = NDArray[np.floating]
 
 EXPOSURE = 0.92
 IRIS_RAD = 0.405

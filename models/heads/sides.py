@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
+
 ACROSS = np.array([-1.0, 1.0, 1.0])
 EYE_M, WIDE_M, HIGH_M = (0.031, 0.002), 0.026, 0.022
 """Middle of the skin around an eye, from between the eyes, and how far it reaches; metres on the average head."""

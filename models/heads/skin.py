@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .head import Head
 from .ingredients import Ingredients
 from .maps import linear, load_map, sample_map
 from .noise import spots, value_noise
 from .people import Person
 
-Floats = NDArray[np.floating]
 MM = 1e-3
 
 

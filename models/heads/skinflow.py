@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 SPREAD_M = (0.0040, 0.0018, 0.0011)
 """How far red, green and blue travel under the skin."""

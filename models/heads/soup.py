@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 PARTS = ("skin", "eyes", "teeth", "tongue", "lashes", "hair", "glints", "veil")
 SKIN, EYES, TEETH, TONGUE, LASHES, HAIR, GLINTS, VEIL = range(8)

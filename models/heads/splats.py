@@ -6,9 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
-
-Floats = NDArray[np.floating]
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .brows import BrowMap, root_brows
 from .head import Head
 from .ingredients import Ingredients
@@ -15,8 +16,6 @@ from .shading import EXPOSURE, hair_texture, tone
 from .skin import points_of
 from .soup import GLINTS, HAIR, LASHES
 from .splats import Rider, ride
-
-Floats = NDArray[np.floating]
 
 UNDERCOAT = 0.36
 """Share of the strands that are broad and dark and lie beneath the others, so that nothing shows through."""

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..captures.uvraster import cover
 from ..wholefile import write_whole
 from .bake import PIVOT, neck_weights, viewing_of
@@ -25,8 +26,6 @@ from .soup import HAIR, LASHES, SKIN
 from .strands import LASH_END
 from .subjectfile import DELTA_M, SHEEN_RANGE
 from .unwrap import Unwrapped, unwrap
-
-Floats = NDArray[np.floating]
 
 MAP_SIZE = 1024
 VERTEX_M = 1e-6

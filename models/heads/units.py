@@ -3,13 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..arkit import NAMES
 from .ingredients import Ingredients
 from .lips import PURSES, arching, pursed
 from .mesh import load_target
 from .people import Person
-
-Floats = NDArray[np.floating]
 
 GAIN = {
     "browInnerUp": 1.6,

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .head import Head
 from .soup import EYES, SKIN, TEETH, TONGUE
 from .subjectfile import EYES_PART_U
 
-Floats = NDArray[np.floating]
 Box = tuple[float, float, float, float]
 
 ISLANDS: dict[str, tuple[Box, Box]] = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats, Floats32, Indices
 from .darkening import Darkening, skin_of_face
 from .expressions import weights_of
 from .maps import encoded, linear, sample_map
@@ -17,8 +18,6 @@ from .shading import Shader
 from .skin import points_of
 from .soup import SKIN, VEIL
 from .splats import Rider, joined, ride
-
-Floats = NDArray[np.floating]
 
 SHADOWS, LINES = 1100, 1500
 """How many splats are soft shadows, and how many lie in lines."""
@@ -50,7 +49,21 @@ LOOKED_FOR = (
     weights_of(mouthDimple=1, mouthPress=1),
 )
 """Expressions that show where skin darkens."""
-BESIDE_BROWS = 1e-3 * np.array([(0, 0, 0), (5, 0, 0), (-5, 0, 0), (11, 0, 0), (-11, 0, 0), (17, 0, 0), (-17, 0, 0), (17, -6, 0), (-17, -6, 0), (0, 4, 0), (0, -4, 0)])
+BESIDE_BROWS = 1e-3 * np.array(
+    [
+        (0, 0, 0),
+        (5, 0, 0),
+        (-5, 0, 0),
+        (11, 0, 0),
+        (-11, 0, 0),
+        (17, 0, 0),
+        (-17, 0, 0),
+        (17, -6, 0),
+        (-17, -6, 0),
+        (0, 4, 0),
+        (0, -4, 0),
+    ]
+)
 """Metres: no closer to them are lines, which would be taken for hairs."""
 SPLIT = 5
 """Edges of triangles are cut into so many parts: lines are finer than triangles."""
@@ -66,10 +79,10 @@ class Veil:
 
     rider: Rider
     """Its splats, let through."""
-    slopes: NDArray[np.float32]
+    slopes: Floats32
     """[52, n] what one unit of each weight adds to the logits of their opacity."""
 
-    def logits(self, weights: Floats) -> NDArray[np.float32]:
+    def logits(self, weights: Floats) -> Floats32:
         """[n] of the opacity, with ARKit ``weights`` [52]. GEMs are linear, so these are: the best that is."""
         thinnest, thickest = _logit(THINNEST), _logit(THICKEST)
         return np.clip(thinnest + np.asarray(weights, np.float32) @ self.slopes, thinnest, thickest).astype(np.float32)
@@ -134,12 +147,10 @@ def _spread(shader: Shader, seen: NDArray[np.bool_], darkening: Darkening, rng: 
     return joined(riders)
 
 
-def _cut(parts: int) -> tuple[NDArray[np.int64], Floats]:
+def _cut(parts: int) -> tuple[Indices, Floats]:
     """A triangle in ``parts`` squared small ones: their corners [P, 3], of points of which the weights [Q, 3] are."""
     points = [(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]
     number = {point: place for place, point in enumerate(points)}
     upright = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in points if i + j < parts]
-    between = [
-        (number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in points if i + j < parts - 1
-    ]
+    between = [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in points if i + j < parts - 1]
     return np.array(upright + between), np.array([(parts - i - j, i, j) for i, j in points]) / parts

@@ -13,14 +13,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ...render.rotations import matrix_from_wxyz, wxyz_from_matrix
 from .foreign import ForeignFormatError
 from .meshes import MeshSequence, open_meshes
-from .neck import PIVOT, bending
-from .placing import VIEWING, canonical_shift, scaled
+from .placing import canonical_shift, scaled
+from .plysource import ply_source
 from .source import Source
-from .splatply import LOG_SCALE_LIMITS, column_of, depends_on_view, read_splats
+from .splatply import LOG_SCALE_LIMITS, column_of, read_splats
 from .stillness import held_still
 
 BINDING = "binding_0"
@@ -28,8 +29,6 @@ SPLATS, MESHES = "point_cloud.ply", "meshes"
 """What the file is called, and the folder beside it in which the meshes are looked for."""
 _FLAT = 1e-9
 """Metres; a triangle with a shorter side or height has no frame of its own."""
-
-Floats = NDArray[np.floating]
 
 
 @dataclass(frozen=True)
@@ -72,20 +71,7 @@ def open_bound(path: Path, meshes: Path | None = None, scale: float = 1.0) -> So
             moved = triangle_frames(sequence.vertices(index), sequence.triangles, first)
             yield held_still(scaled(carried(local, binding, moved), scale), rest)
 
-    notes = ["the neutral expression is its first mesh, and its head is taken to be 25 cm high"]
-    if depends_on_view(path):
-        notes.append("its colours depend on the view; only their constant part was taken")
-    return Source(
-        kind="GaussianAvatars PLY",
-        splats=len(rest),
-        count=sequence.count,
-        frames=frames,
-        rest=rest,
-        neck_weights=bending(rest.positions),
-        neck_pivot=PIVOT,
-        viewing=VIEWING,
-        notes=tuple(notes),
-    )
+    return ply_source(path, "GaussianAvatars PLY", "its first mesh", rest, sequence.count, frames)
 
 
 def triangle_frames(

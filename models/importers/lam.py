@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ...render.projection import ALPHA_MIN
 from ..arkit import NAMES
@@ -24,8 +25,6 @@ from .neck import CHIN, PIVOT, bending
 from .source import Source
 from .splatply import MAX_COORDINATE, read_splats
 from .surface import Surface, carried, surface_of
-
-Floats = NDArray[np.floating]
 
 MESH, SPLATS = "skin.glb", "offset.ply"
 MAX_VERTICES = 200_000

@@ -27,8 +27,6 @@ TEMPLATE = "template.npz"
 """Beside the meshes or a folder up: where the triangles are when the meshes do not repeat them."""
 _TRIANGLES = ("triangles", "faces")
 
-Floats = NDArray[np.floating]
-
 
 @dataclass(frozen=True)
 class MeshSequence:

@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..posing import NECK_PIVOT
-
-Floats = NDArray[np.floating]
 
 PIVOT = np.array(NECK_PIVOT, np.float32)
 """Importers move their heads so that their pivot lies here, metres, canonical space."""

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from ...render.gaussians import RawGaussians
 from .foreign import ForeignFormatError, by_number
-from .neck import PIVOT, bending
-from .placing import VIEWING, canonical_shift, scaled
+from .placing import canonical_shift, scaled
+from .plysource import ply_source
 from .source import Source
-from .splatply import depends_on_view, read_splats
+from .splatply import read_splats
 from .stillness import held_still
 
 MAX_FRAMES = 5000
@@ -60,17 +60,4 @@ def open_sequence(place: Path, scale: float = 1.0) -> Source:
                 raise ForeignFormatError(path, what, "give frames of one and the same head")
             yield held_still(scaled(frame, scale), rest)
 
-    notes = ["the neutral expression is its first file, and its head is taken to be 25 cm high"]
-    if depends_on_view(files[0]):
-        notes.append("its colours depend on the view; only their constant part was taken")
-    return Source(
-        kind="sequence of PLY files",
-        splats=len(rest),
-        count=len(files),
-        frames=frames,
-        rest=rest,
-        neck_weights=bending(rest.positions),
-        neck_pivot=PIVOT,
-        viewing=VIEWING,
-        notes=tuple(notes),
-    )
+    return ply_source(files[0], "sequence of PLY files", "its first file", rest, len(files), frames)

@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ...render.rotations import wxyz_from_matrix
 from ..captures.headmotion import rigid
-
-Floats = NDArray[np.floating]
 
 _ROUNDS = 8
 _SAMPLE = 4000

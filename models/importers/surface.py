@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.rotations import matrix_from_wxyz, wxyz_from_matrix
 from ..captures.deformation import across
-
-Floats = NDArray[np.floating]
 
 MAX_STRETCH = 2.0
 """A splat grows or shrinks by this factor at most: triangles inside a closed mouth have next to no area."""

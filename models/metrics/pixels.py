@@ -1,9 +1,9 @@
 """Differences pixel by pixel. Pictures are [H, W, C] floats in [0, 1]; a mask [H, W] in [0, 1] weighs the pixels."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
+
 BEST_DB = 120.0
 """What equal pictures are given, instead of infinity."""
 

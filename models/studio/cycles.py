@@ -13,8 +13,6 @@ from .moment import Moment, Stage
 from .shading import EXPOSURE, SHOULDER, SOFT
 from .surfaces import sky, surfaces
 
-Floats = NDArray[np.floating]
-
 SAMPLES = 64
 """Paths a pixel; what noise they leave, the denoiser takes away."""
 SENSOR_MM = 36.0

@@ -6,13 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.camera import Camera
 from .lamps import ROOM
 from .moment import Moment, Stage
 from .raster import projected, rasterize
-from .shading import shade
-
-Floats = NDArray[np.floating]
+from .shading import Light, Maps, Samples, Surface, shade
 
 FINER = 2
 """Samples along a pixel."""
@@ -54,32 +53,21 @@ class Painter:
         )
         albedo, detail = self._maps[self._level(camera)]
         image = np.empty((height, width, 4), np.float32)
-        shade(
-            seen,
-            weights,
-            clear,
+        surface = Surface(
             subject.triangles,
             stage.parts,
             stage.uv,
             moment.slopes,
             moment.vertices,
             moment.normals,
-            moment.light,
-            moment.mean,
-            moment.shares,
-            moment.folds,
+            moment.folds[:, None],
             moment.eyes,
-            stage.lighting.lobes,
-            stage.lighting.bulbs,
-            np.array(ROOM, np.float32),
-            albedo,
-            detail,
-            subject.hair,
-            stage.hair_color,
             moment.strands,
-            camera.center.astype(np.float32),
-            image,
         )
+        lamps = stage.lighting
+        light = Light(moment.light, moment.mean, moment.shares, lamps.lobes, lamps.bulbs, np.array(ROOM, np.float32))
+        maps = Maps(albedo, detail, subject.hair, stage.hair_color)
+        shade(Samples(seen, weights, clear), surface, light, maps, camera.center.astype(np.float32), image)
         image[..., :3] = _encoded(image[..., :3])
         small = cv2.resize(image, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
         return np.asarray(small, np.float32)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 LAMPS = (
     # direction to the lamp, radiance, concentration (von Mises-Fisher), samples: key, fill, sky, two rims, floor

@@ -6,18 +6,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..arkit import NAMES
 from ..captures.headmotion import posed
 from ..heads.maps import sample_map, strokes
 from ..heads.puppet import gaze_turn
+from ..heads.skinflow import SPREAD_M, Neighbours, folded, neighbours_of, spread
 from .lamps import Lighting, studio_light
 from .raster import CUT
 from .shading import HAIR
 from .shadows import arriving
-from ..heads.skinflow import SPREAD_M, Neighbours, folded, neighbours_of, spread
 from .subject import Subject, linear
-
-Floats = NDArray[np.floating]
 
 SKULL = np.array([0.0, 0.035, -0.01])
 HAIR_DEPTH_M = 10e-3

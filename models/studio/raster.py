@@ -4,9 +4,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ...render.camera import Camera
-
-Floats = NDArray[np.floating]
 
 BANDS = 8
 NEAR_M = 0.05

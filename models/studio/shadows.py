@@ -4,9 +4,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from .lamps import Lighting
-
-Floats = NDArray[np.floating]
 
 MAP_SIZE = 256
 MIDDLE = np.array([0.0, -0.03, 0.0], np.float32)

@@ -9,12 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats
 from ..captures.layout import Template
 from ..gem import Viewing
 from ..heads.puppet import Puppet
 from ..heads.subjectfile import DELTA_M, SHEEN_RANGE
-
-Floats = NDArray[np.floating]
 
 FOLDER = Path(__file__).parents[2] / "assets" / "subjects"
 

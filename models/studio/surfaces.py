@@ -5,13 +5,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .lamps import BULBS, LAMPS, ROOM
-from .raster import CUT, LASH_OPACITY
-from .shading import BULB_COS, OILY, PORE_M
+from ...render.arrays import Floats
 from ..heads.skinflow import SPREAD_M
+from .bending import PORE_M
+from .lamps import BULBS, LAMPS, ROOM
+from .mirroring import BULB_COS
+from .raster import CUT, LASH_OPACITY
+from .shading import OILY
 from .subject import Subject, linear
-
-Floats = NDArray[np.floating]
 
 SKY_WIDTH = 512
 """Pixels around the horizon; the sharpest thing in it, a bulb, is 9 degrees wide."""

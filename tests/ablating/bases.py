@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from gemheads.models.gem import CLAMP_SIGMAS
+from gemheads.render.arrays import Floats
 from numpy.typing import NDArray
 
-from .spaces import Floats, Row
+from .spaces import Row
 
 FLOOR = 5e-4
 """Components whose spread is below this share of the first one's are left out, as in ``models.distill``."""

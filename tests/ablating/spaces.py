@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from gemheads.render.arrays import Floats
 from gemheads.render.gaussians import RawGaussians, activate
 from gemheads.render.rotations import (
     matrix_from_wxyz,
@@ -11,9 +12,7 @@ from gemheads.render.rotations import (
     wxyz_from_matrix,
     wxyz_from_rotvec,
 )
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
 Row = tuple[Floats, ...]
 """Position, rotation, scale and opacity of all splats, each one flat vector."""
 LEAST_SCALE_M, LEAST_OPACITY = 1e-6, 1e-4

@@ -12,9 +12,9 @@ from gemheads.app.library import DEMO_CLIP
 SIZE = ("--size", "64x64", "--engine", "software")
 
 
-def grey_clip(path: Path) -> Path:
+def grey_clip(path: Path, flags: str = "") -> Path:
     """Thirty greys, 25 a second, each 8 brighter than the one before, and not stored in the order they are shown in."""
-    with av.open(str(path), "w") as container:
+    with av.open(str(path), "w", options={"movflags": flags} if flags else {}) as container:
         stream = container.add_stream("libx264", rate=25, options={"bf": "2", "x264-params": "b-adapt=0"})
         stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
         for grey in range(0, 240, 8):
@@ -63,3 +63,8 @@ def times(path: Path) -> list[Fraction]:
 def pictures(path: Path) -> np.ndarray:
     with av.open(str(path)) as container:
         return np.stack([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
+
+
+def sound(path: Path) -> list[bytes]:
+    with av.open(str(path)) as container:
+        return [bytes(packet) for packet in container.demux(audio=0) if packet.size]

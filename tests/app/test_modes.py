@@ -16,10 +16,10 @@ from gemheads.render.software import SoftwareEngine
 
 def test_rows_are_components_and_columns_are_sigmas(tiny: Path) -> None:
     gem = load_gem(tiny)
-    picture = modes_picture(gem, range(2), "position", (48, 64), SoftwareEngine())
-    assert picture.shape == (2 * (LABEL_PX + 64), 5 * 48, 3)
+    picture = modes_picture(gem, range(2), "position", (36, 64), SoftwareEngine())
+    assert picture.shape == (2 * (LABEL_PX + 64), 5 * 36, 3)
     assert picture.dtype == np.uint8
-    cells = [picture[LABEL_PX : LABEL_PX + 64, 48 * i : 48 * (i + 1)].astype(int) for i in range(5)]
+    cells = [picture[LABEL_PX : LABEL_PX + 64, 36 * i : 36 * (i + 1)].astype(int) for i in range(5)]
     assert all((cell.min() < 200) and (cell[0] == 255).all() for cell in cells)  # a head on white
     assert np.abs(cells[0] - cells[4]).mean() > np.abs(cells[1] - cells[3]).mean() > 0
 

@@ -21,13 +21,12 @@ from gemheads.models.train.regressors.controls import controls_of
 from gemheads.models.train.regressors.response import Responses, at_rest
 from gemheads.models.train.regressors.train_regressor import pictures_of
 from gemheads.models.train.workers import Workers
-from numpy.typing import NDArray
+from gemheads.render.arrays import Floats
 
 SEED = 7
 """Of the faces; training has seen those of others."""
 OF_THE_HEAD = 0.9
 """Least share of the head's turn of the splats that count: shoulders make no faces."""
-Floats = NDArray[np.floating]
 
 
 def main() -> None:

@@ -36,12 +36,12 @@ from gemheads.models.train.judging.contestants import GemContestant, neck_of
 from gemheads.models.train.judging.judge import Judge
 from gemheads.models.train.perceptual import Perceptual, WeightsMissing
 from gemheads.models.train.synthesis.fit import error_map
+from gemheads.render.arrays import Floats32
 from gemheads.render.gaussians import RawGaussians
 from numpy.typing import NDArray
 from results.pages import DOCS_HELP, put_table
 
-Floats = NDArray[np.float32]
-Pose = tuple[Floats, Floats]
+Pose = tuple[Floats32, Floats32]
 SPLITS = {"val": "held-out view", "test": "held-out expression"}
 
 
@@ -52,8 +52,8 @@ class Method:
     name: str
     answer: Callable[[Shot, str], tuple[RawGaussians, Pose | None]]
     """Shot and split to canonical splats and the head's pose; None: as tracked."""
-    neck_weights: Floats
-    neck_pivot: Floats
+    neck_weights: Floats32
+    neck_pivot: Floats32
 
 
 def main() -> int:
@@ -190,7 +190,7 @@ def _number(value: float | None) -> float:
     return float("nan") if value is None else value
 
 
-def _bytes(image: Floats) -> NDArray[np.uint8]:
+def _bytes(image: Floats32) -> NDArray[np.uint8]:
     return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
 
 

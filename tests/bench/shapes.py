@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 from gemheads.models.crossing.channels import SCORE_CHANNELS, table
 from gemheads.models.crossing.mirror import LOOKS, Mirror
-from gemheads.models.crossing.reading import Image, Reading, stacked
+from gemheads.models.crossing.reading import Reading, stacked
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
+from gemheads.render.arrays import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = 384

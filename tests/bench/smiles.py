@@ -23,7 +23,7 @@ from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
 from gemheads.models.train.regressors.controls import STRAIGHT, controls_of
-from numpy.typing import NDArray
+from gemheads.render.arrays import Floats
 
 ROOT = Path(__file__).resolve().parents[2]
 DRIVERS = ROOT.parent / "shared" / "data" / "drivers"
@@ -32,7 +32,6 @@ SCORES = ((0.15, 0.35), (0.35, 0.55), (0.55, 0.75), (0.75, 1.0))
 """Ranges of the smile's score in which people are put together."""
 WHOLE = ("mouthSmile", "mouthUpperUp", "jawOpen", "mouthPucker", "browInnerUp")
 TEETH = {"mouthSmile": 1.0, "mouthUpperUp": 0.5, "cheekSquint": 0.5, "eyeSquint": 0.2}
-Floats = NDArray[np.floating]
 
 
 def main() -> None:

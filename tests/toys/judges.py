@@ -8,8 +8,9 @@ from gemheads.models.captures.layout import CaptureError, Shot
 from gemheads.models.captures.reader import Capture
 from gemheads.models.captures.standin import StandIn
 from gemheads.models.gemfile import load_gem
-from gemheads.models.train.judging.contestants import Act, Floats, GemContestant
+from gemheads.models.train.judging.contestants import Act, GemContestant
 from gemheads.models.train.judging.judge import Judge
+from gemheads.render.arrays import Floats32
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Trouble:
             raise CaptureError(shot.picture, "is gone", "copy it there")
         raise ValueError(f"{split} is more than it can bear")
 
-    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats32:
         raise NotImplementedError
 
 

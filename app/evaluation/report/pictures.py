@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.uint8]
+from ....render.arrays import Image
+
 STRIP = 8
 """Pictures in a film strip."""
 STRIP_HEIGHT = 150

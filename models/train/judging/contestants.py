@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...captures.heldout import viewers
 from ...captures.layout import Shot
 from ...captures.reader import Capture
@@ -15,18 +15,16 @@ from ...gem import Gem
 from ..avatars.runs import Run
 from ..synthesis.fitcapture import fit_moments
 
-Floats = NDArray[np.float32]
-
 
 @dataclass(frozen=True)
 class Act:
     """What an avatar does at one moment."""
 
-    coefficients: Floats | None
+    coefficients: Floats32 | None
     """[coefficients]; None for a run."""
-    turn: Floats | None
+    turn: Floats32 | None
     """[3] axis times angle of the head, radians; None: as it was tracked."""
-    move: Floats | None
+    move: Floats32 | None
     """[3] metres."""
     cameras: tuple[int, ...]
     """In whose pictures it was found; empty for a run, which what was tracked drives."""
@@ -44,7 +42,7 @@ class Contestant(Protocol):
         """What it does in a picture, never knowing the picture itself unless no other camera was there."""
         ...
 
-    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats32:
         """[H, W, 3] sRGB in [0, 1]: the picture of that."""
         ...
 
@@ -76,7 +74,7 @@ class GemContestant:
             self._found[cameras] = Act(moment.fit.coefficients, pose.turn, pose.move, cameras, seconds)
         return self._found[cameras]
 
-    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats32:
         """The fitted expression. Raises ValueError for an act of something else."""
         if act.coefficients is None or act.turn is None or act.move is None:
             raise ValueError("a GEM acts by coefficients and a pose; this act has none")
@@ -98,14 +96,14 @@ class RunContestant:
         del shot, split
         return Act(None, None, None, (), 0.0)
 
-    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats32:
         """The model's splats for what was tracked at the moment. Raises CaptureError."""
         del act
         tracked = self._run.capture.tracked(shot.timestep)
         return standin.draw(self._run.splats(tracked), *self._neck, shot)
 
 
-def neck_of(run: Run) -> tuple[Floats, Floats]:
+def neck_of(run: Run) -> tuple[Floats32, Floats32]:
     """Neck weights [N] and pivot [3] of a run's splats."""
     template = run.capture.template
     weights = np.clip(run.texels.spread(template.neck_weights), 0, 1)

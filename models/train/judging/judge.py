@@ -2,16 +2,14 @@
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...metrics.flip import flip_map
 from ...metrics.pixels import l1, psnr
 from ...metrics.structure import ssim
 from .. import perceptual
 from ..avatars.runs import default_device
 from ..perceptual import Perceptual
-
-Floats = NDArray[np.float32]
 
 
 class Judge:
@@ -35,7 +33,7 @@ class Judge:
         """The network of LPIPS."""
         return None if self._network is None else self._network.network
 
-    def measured(self, image: Floats, truth: Floats) -> dict[str, float | None]:
+    def measured(self, image: Floats32, truth: Floats32) -> dict[str, float | None]:
         """METRICS -> value. Raises ValueError for pictures of two sizes."""
         flip = flip_map(image, truth)
         return {
@@ -46,7 +44,7 @@ class Judge:
             "FLIP": None if flip is None else float(flip.mean()),
         }
 
-    def _lpips(self, image: Floats, truth: Floats) -> float | None:
+    def _lpips(self, image: Floats32, truth: Floats32) -> float | None:
         if self._network is None or min(image.shape[:2]) < self._network.least_side:
             return None
         pair = (

@@ -4,8 +4,8 @@ person, and from one camera, to the next."""
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
 from ...gem import Gem
 from ..workers import ALONE, Advance, Workers
@@ -32,7 +32,6 @@ BELIEVED = {
 when lowered, and theirs read so by 4 to 9 tolerances when they turn, photoreal heads by .3 to 3."""
 BELIEVED_GAZE = 0.5
 """The same for gaze: a bump on a lid moves it away from the eye."""
-Floats = NDArray[np.float32]
 
 
 def heads_beside(pictures: int) -> int:
@@ -63,7 +62,7 @@ def leaks_of_bystanders(
     return Leaks(np.stack(known))
 
 
-def _leak(advance: Advance, gem: Gem, controls: Controls, rng: np.random.Generator) -> Floats | None:
+def _leak(advance: Advance, gem: Gem, controls: Controls, rng: np.random.Generator) -> Floats32 | None:
     """[TERMS, D]; None where the tracker hardly sees the head."""
     sitting = Sitting(float(rng.uniform(*FOV_DEG)), random_shape(rng))
     weights = np.zeros((PICTURES, len(controls.lower)), np.float32)
@@ -74,7 +73,7 @@ def _leak(advance: Advance, gem: Gem, controls: Controls, rng: np.random.Generat
     return believed(pose_leak(seen)) if len(seen) >= _SEEN * PICTURES else None
 
 
-def believed(leak: Floats) -> Floats:
+def believed(leak: Floats32) -> Floats32:
     """The leak [TERMS, D] of an avatar of another shape, as that of a person."""
     share = np.ones(DIMENSION, np.float32)
     share[BLOCKS["gaze"]] = BELIEVED_GAZE

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...captures.reader import Capture
 from ...gem import CLAMP_SIGMAS, Gem
 from ..synthesis.fit import Start
@@ -32,7 +32,6 @@ from .sightings import Neutral, Sightings, frontal_cameras, neutral_of, see
 from .strangers import Crowd, Person, crowd
 from .train_regressor import RESTING, Progress, person_of
 
-Floats = NDArray[np.float32]
 LABELS = 30.0
 """Price of missing all of a person's motion, in squared tolerances of the closed loop."""
 PICTURES = 200.0
@@ -80,7 +79,7 @@ def capture_regressor(
     moments: Mapping[int, Start],
     effort: RegressorEffort = RegressorEffort(),
     companions: Sequence[Responses] = (),
-    footage: Floats | None = None,
+    footage: Floats32 | None = None,
     progress: Progress = lambda stage, done, total: None,
     workers: Workers = ALONE,
 ) -> CaptureRegressor:
@@ -162,7 +161,7 @@ class _Others:
         sightings: Sightings,
         companions: Sequence[Responses],
         leaks: Leaks,
-        footage: Floats | None,
+        footage: Floats32 | None,
         effort: RegressorEffort,
         rng: np.random.Generator,
     ) -> "_Others":
@@ -175,7 +174,7 @@ class _Others:
         return cls(avatar, r2, people, judges)
 
 
-def invented(gem: Gem, controls: Controls, known: Floats, count: int, rng: np.random.Generator) -> Floats:
+def invented(gem: Gem, controls: Controls, known: Floats32, count: int, rng: np.random.Generator) -> Floats32:
     """[count, coefficients] weights of ``free_controls`` for faces that the person could make: mixtures of what it did
     [M, coefficients], stronger and weaker, and where the avatar has an ARKit map, faces of that in turn. The first and
     the last RESTING of them are the neutral.

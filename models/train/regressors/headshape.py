@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....render.arrays import Floats64
 from ...gem import Viewing
 
-Floats = NDArray[np.float64]
 BUMPS = 8
 """Places, on either side of the face, that stand out or back."""
 SCALE_SPREAD = np.array([0.06, 0.05, 0.12])
@@ -26,13 +26,13 @@ FORWARD = 0.3
 class HeadShape:
     """Another person's head: lengths are in heights of the avatar's head, from its middle."""
 
-    scale: Floats
+    scale: Floats64
     """[3] how much wider, higher and deeper."""
-    centres: Floats
+    centres: Floats64
     """[B, 3] of bumps on its left; on its right they are the same."""
-    shifts: Floats
+    shifts: Floats64
     """[B, 3] how far each stands out."""
-    widths: Floats
+    widths: Floats64
     """[B] standard deviations."""
 
     def displacement(self, positions: NDArray[np.float32], viewing: Viewing) -> NDArray[np.float32]:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from .response import TYPICAL, Responses
 
-Floats = NDArray[np.float32]
 _FIRST, _SECOND = np.triu_indices(3)
 FACTORS = np.eye(3, dtype=np.float32)[:, _FIRST], np.eye(3, dtype=np.float32)[:, _SECOND]
 """Both [3, 6]: rotations times the one, times rotations times the other, are their squares and products."""
@@ -20,13 +20,13 @@ _PENALTY = 1e-4
 """Of a term, in squared radians."""
 
 
-def turned(rotations: Floats) -> Floats:
+def turned(rotations: Floats32) -> Floats32:
     """[S, TERMS] pitch, yaw and roll [S, 3], radians, their squares and products."""
     products = (rotations @ FACTORS[0]) * (rotations @ FACTORS[1]) / TYPICAL
     return np.concatenate([rotations, products], 1).astype(np.float32)
 
 
-def pose_leak(responses: Responses) -> Floats:
+def pose_leak(responses: Responses) -> Floats32:
     """[TERMS, D] what head rotation alone adds to a head's features (least squares beside the weights)."""
     weights = responses.weights[:, (responses.weights != 0).any(0)]
     inputs = np.concatenate([turned(responses.rotations), weights, np.ones((len(responses), 1), np.float32)], 1)
@@ -38,7 +38,7 @@ def pose_leak(responses: Responses) -> Floats:
 class Leaks:
     """Of H heads."""
 
-    known: Floats
+    known: Floats32
     """[H, TERMS, D]"""
 
     @property
@@ -46,7 +46,7 @@ class Leaks:
         """[TERMS, D]"""
         return self.known.mean(0).astype(np.float32)
 
-    def of_others(self, rotations: Floats, spread: Floats, rng: np.random.Generator) -> Floats:
+    def of_others(self, rotations: Floats32, spread: Floats32, rng: np.random.Generator) -> Floats32:
         """[S, D] what rotations [S, 3] add to features, each of a head of its own, which lies between two of those
         known and beyond. ``spread`` [S]: how far such heads differ from the mean, against those known."""
         count, heads = len(rotations), len(self.known)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...captures.reader import Capture
 from ...captures.standin import StandIn
 from ...driver.regressor import Regressor
@@ -23,8 +24,6 @@ STRIP = 8
 """Of them, in the picture."""
 ROWS = ("rest", "driven", "fitted")
 """The avatar at rest, by its regressor, and fitted to the pictures: the floor, the figure, the ceiling."""
-
-Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,7 @@ def self_reenactment(
     driven = [
         np.asarray(regressor(f, r).coefficients, np.float32) for f, r in zip(seen.features, seen.rotations, strict=True)
     ]
-    fitted: dict[int, Floats] = {}
+    fitted: dict[int, Floats32] = {}
     for moment in fit_moments(gem, capture, shots):
         fitted[moment.timestep] = moment.fit.coefficients
         progress("fit", len(fitted), len(judged))
@@ -74,7 +73,7 @@ def self_reenactment(
 
 
 def _judged(
-    gem: Gem, capture: Capture, seen: Sightings, driven: list[Floats], fitted: dict[int, Floats]
+    gem: Gem, capture: Capture, seen: Sightings, driven: list[Floats32], fitted: dict[int, Floats32]
 ) -> SelfReenactment:
     standin = StandIn(capture)
     values: dict[str, list[tuple[float, float]]] = {row: [] for row in ROWS}

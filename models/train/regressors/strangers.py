@@ -11,12 +11,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...driver.features import BLOCKS, DIMENSION
 from .channels import channel_indices, channel_tolerances, mouth_channels
 from .leaks import Leaks, pose_leak, turned
 from .response import ResponseModel, Responses, at_rest
 
-Floats = NDArray[np.float32]
 GAIN_SPREAD = 0.35
 """Standard deviation of the logarithm of how strongly a person moves a channel, against the avatars."""
 MOUTH_SPREAD = 0.5
@@ -51,22 +51,22 @@ class Person:
 class Crowd:
     """S moments of people who are not the avatar."""
 
-    features: Floats
+    features: Floats32
     """[S, D] relative features."""
-    rotations: Floats
+    rotations: Floats32
     """[S, 3] relative head rotation as the tracker reads it, radians."""
-    wanted: Floats
+    wanted: Floats32
     """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
     resting: NDArray[np.bool_]
     """[S] moments in which nothing but the head moves."""
-    acted: Floats
+    acted: Floats32
     """[S, E] the control weights that these people act; NaN where nobody knows, or they stand for something else."""
 
     def __len__(self) -> int:
         return len(self.features)
 
 
-def from_the_front(person: Person) -> Floats:
+def from_the_front(person: Person) -> Floats32:
     """[S, T] the channels of a person's pictures, in tolerances, relative to the neutral, had the head not turned.
 
     What the response says of the turn is taken off; what else is read, noise and all that the response does not know,
@@ -81,7 +81,7 @@ def from_the_front(person: Person) -> Floats:
     return np.where(at_rest(person.seen.weights)[:, None], 0, channels).astype(np.float32)
 
 
-def in_tolerances(features: Floats) -> Floats:
+def in_tolerances(features: Floats32) -> Floats32:
     """[S, T] the compared channels of relative features [S, D]."""
     return (features[:, channel_indices()] / channel_tolerances()).astype(np.float32)
 
@@ -89,7 +89,7 @@ def in_tolerances(features: Floats) -> Floats:
 def crowd(
     people: Sequence[Person],
     others: Leaks,
-    footage: Floats,
+    footage: Floats32,
     count: int,
     rng: np.random.Generator,
     by_pictures: bool = False,
@@ -119,10 +119,10 @@ def crowd(
 def _invented(
     people: Sequence[Person],
     whose: NDArray[np.int64],
-    leaks: Sequence[Floats],
-    fronts: Sequence[Floats],
+    leaks: Sequence[Floats32],
+    fronts: Sequence[Floats32],
     others: Leaks,
-    footage: Floats,
+    footage: Floats32,
     count: int,
     rng: np.random.Generator,
 ) -> Crowd:
@@ -165,7 +165,7 @@ def _invented(
     return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting, acted)
 
 
-def _other_mouths(wanted: Floats, rng: np.random.Generator) -> Floats:
+def _other_mouths(wanted: Floats32, rng: np.random.Generator) -> Floats32:
     """[S, T] what to add to read and followed channels [S, T] alike, so that mouths differ from the avatars'."""
     mouth = mouth_channels()
     spread = np.sqrt((wanted[:, mouth] ** 2).mean(0)) + 1e-6

@@ -14,6 +14,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from ....render.arrays import Floats32
 from ....render.camera import Camera
 from ....render.diff.rasterize import rasterize
 from ....render.diff.tensors import RawTensors, activate
@@ -23,7 +24,6 @@ from .lbfgs import Memory, minimise
 from .torchgem import TorchGem
 from .views import View, views_of
 
-Floats = NDArray[np.float32]
 TURN_STEP = 0.05
 """Radians that count as one sigma of the head's rotation ..."""
 MOVE_STEP = 0.005
@@ -68,9 +68,9 @@ THOROUGH = Effort((Descent(64, 12, pose_only=True), Descent(None, 80)), adam_ste
 class HeadPose:
     """A turn about the neck's pivot, then a translation: the arguments of ``models.posing.pose_head``."""
 
-    turn: Floats
+    turn: Floats32
     """[3] axis times angle, radians."""
-    move: Floats
+    move: Floats32
     """[3] metres."""
 
     @classmethod
@@ -83,7 +83,7 @@ class HeadPose:
 class Start:
     """Where to begin."""
 
-    coefficients: Floats
+    coefficients: Floats32
     """[coefficients]."""
     pose: HeadPose
     memory: Memory = ()
@@ -94,14 +94,14 @@ class Start:
 class Fit:
     """What was found."""
 
-    coefficients: Floats
+    coefficients: Floats32
     """[coefficients] within +-3 sigma."""
     pose: HeadPose
     losses: tuple[float, ...]
     """L1 and SSIM before Adam and after each of its steps; empty where it takes none."""
     psnr: float
     """Decibels of the fitted pictures against the given ones."""
-    pictures: tuple[Floats, ...]
+    pictures: tuple[Floats32, ...]
     """[H, W, 3] the fitted pictures, one per view."""
     seconds: float
     memory: Memory
@@ -187,7 +187,7 @@ class _Problem:
         expression = (torch.from_numpy(coefficients).float() - self._rest) / self.sigma
         return torch.cat([expression, turn / TURN_STEP, shift / MOVE_STEP])
 
-    def found(self, unknown: Tensor) -> tuple[Floats, HeadPose]:
+    def found(self, unknown: Tensor) -> tuple[Floats32, HeadPose]:
         """The other way, within +-3 sigma."""
         coefficients = self._rest + unknown[: self.count] * self.sigma
         turn, move = self.pose(unknown)
@@ -251,7 +251,7 @@ def _adam(problem: _Problem, unknown: Tensor, effort: Effort) -> tuple[float, ..
     return tuple(losses)
 
 
-def error_map(fitted: Floats, picture: NDArray[np.generic], full_scale: float = 0.1) -> NDArray[np.uint8]:
+def error_map(fitted: Floats32, picture: NDArray[np.generic], full_scale: float = 0.1) -> NDArray[np.uint8]:
     """Where a fit differs: [H, W, 3] uint8, black where nothing, white from ``full_scale`` (of 1) on, heat between.
 
     ``fitted`` [H, W, 3] floats in [0, 1]; ``picture`` [H, W, 3] uint8 or floats.

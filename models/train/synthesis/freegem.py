@@ -4,13 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from ....render.arrays import Floats
 from ....render.diff.tensors import RawTensors
 from ...gem import CHANNELS, MODALITIES, Basis, Gem
 
-Floats = NDArray[np.floating]
 State = list[Tensor]
 """Everything of a FreeGem: what is free, and its maps."""
 

@@ -11,9 +11,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from ....render.arrays import Floats32
 from ...posing import pose_splats
 
-Floats = NDArray[np.float32]
 _BLOCK = 1024
 """Splats whose shares of the pose's gradient are summed together."""
 _SMALL = 0.03
@@ -50,15 +50,15 @@ class Turning(torch.autograd.Function):
 
 @numba.njit(cache=True, parallel=True, fastmath=True)
 def _back(
-    positions: Floats,
-    wxyz: Floats,
-    shares: Floats,
-    pivot: Floats,
-    turn: Floats,
-    d_moved: Floats,
-    d_turned: Floats,
-    d_positions: Floats,
-    d_wxyz: Floats,
+    positions: Floats32,
+    wxyz: Floats32,
+    shares: Floats32,
+    pivot: Floats32,
+    turn: Floats32,
+    d_moved: Floats32,
+    d_turned: Floats32,
+    d_positions: Floats32,
+    d_wxyz: Floats32,
     sums: NDArray[np.float64],
 ) -> None:
     rx, ry, rz = turn

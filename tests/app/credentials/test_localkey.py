@@ -52,6 +52,24 @@ def test_what_is_no_key_is_refused_with_the_cure(content: bytes, tmp_path: Path)
         local_key(path)
 
 
+@pytest.mark.parametrize("part", [b"PRIVATE KEY-----\n", b"CERTIFICATE-----\n"])
+def test_a_key_that_is_garbled_inside_is_found_before_anything_is_signed(part: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "key.pem"
+    local_key(path)
+    content = path.read_bytes()
+    assert content.count(part) > 1
+    path.write_bytes(content.replace(part, part + b"AAAA", 1))
+    with pytest.raises(OutputError, match=r"the signing key in it is damaged; delete it"):
+        existing_key(path)
+
+
+def test_a_key_with_the_certificates_of_another_is_found(tmp_path: Path) -> None:
+    keys = [local_key(tmp_path / name) for name in ("a.pem", "b.pem")]
+    (tmp_path / "a.pem").write_bytes(keys[0].private_pem + keys[1].chain_pem)
+    with pytest.raises(OutputError, match="damaged"):
+        existing_key(tmp_path / "a.pem")
+
+
 def test_a_folder_that_takes_no_key_is_told_and_stops_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setattr("gemheads.app.credentials.signing.key_file", lambda: tmp_path / "file" / "key.pem")

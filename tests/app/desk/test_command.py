@@ -9,6 +9,7 @@ from gemheads.app.desk import command
 from gemheads.app.desk.command import await_files, live_command
 from gemheads.app.desk.farewell import ENDING, farewell
 from gemheads.app.desk.outputs import Outputs
+from gemheads.app.desk.wish import LiveWish
 from gemheads.app.errors import InputError
 from keepers import Keeper
 from waiting import SOON
@@ -52,7 +53,7 @@ def test_an_avatar_that_is_none_is_refused_before_a_window_opens(
     (tmp_path / "broken.gem").write_bytes(b"no avatar")
     monkeypatch.setattr(command, "DeskWindow", lambda size: pytest.fail("a window was opened"))
     with pytest.raises(InputError, match=r"broken\.gem"):
-        live_command(**{name: str(tmp_path / word) for name, word in words.items()})
+        live_command(LiveWish(**{name: str(tmp_path / word) for name, word in words.items()}))
 
 
 def test_a_recording_that_is_being_signed_is_waited_for_aloud(capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,6 +28,7 @@ PROGRAM = """
 import json, sys, threading
 from gemheads.app.desk import command, window
 from gemheads.app.desk.session import Session
+from gemheads.app.desk.wish import LiveWish
 
 shown = window.DeskWindow.show
 kept = {}
@@ -54,7 +55,7 @@ def listen():
         kept["desk"].on_drop(None, [line.strip()])
 
 threading.Thread(target=listen, daemon=True).start()
-sys.exit(command.live_command(engine="software", size=(128, 128)))
+sys.exit(command.live_command(LiveWish(engine="software", size=(128, 128))))
 """
 
 

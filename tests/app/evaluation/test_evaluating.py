@@ -42,13 +42,6 @@ def avatars(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> tupl
     return folder / "toy.gem", folder / "poor.gem"
 
 
-@pytest.fixture(scope="module")
-def run(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "cnn"
-    assert main(["train", str(toy_capture), "-o", str(folder), "--steps", "2", "--no-perceptual"]) == ExitCode.OK
-    return folder
-
-
 def test_avatars_and_a_run_stand_side_by_side(
     toy_capture: Path, avatars: tuple[Path, Path], run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -44,13 +44,6 @@ def avatar(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture(scope="module")
-def run(toy_capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run") / "cnn"
-    assert main(["train", str(toy_capture), "-o", str(folder), "--steps", "1", "--no-perceptual"]) == ExitCode.OK
-    return folder
-
-
 def test_fewer_components_have_rows_of_their_own(
     toy_capture: Path, avatar: Path, run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -203,12 +203,12 @@ def test_a_face_that_stands_still_is_looked_at_once() -> None:
     world.play(0.3)
     assert world.source.transport is not None
     world.source.transport.pause()
-    seen = len(world.loop.acting.settling.faces)
+    seen = len(world.loop.acting.source.settling.faces)
     assert seen > 0
     for strength in np.linspace(0, 1, 50):
         world.loop.acting.tune(Tuning(neutral_strength=float(strength)))
         world.loop.changed()
-    assert len(world.loop.acting.settling.faces) == seen
+    assert len(world.loop.acting.source.settling.faces) == seen
 
 
 def test_a_paused_moment_has_nothing_of_the_nod_before_it() -> None:
@@ -249,6 +249,17 @@ def test_another_avatar_goes_on_with_the_same_expression_at_once(world: World) -
     weights = np.linalg.lstsq(other.gem.arkit_weights.T.astype(float), shot.pose.coefficients, rcond=None)[0]
     assert shot.pose.coefficients @ shot.pose.coefficients > 0
     assert np.isfinite(weights).all()
+
+
+def test_another_source_is_eased_into_though_the_one_before_ended_in_a_scene_without_a_face() -> None:
+    world = World(Source(kind="video"))
+    world.play(3.0)
+    last = jaw(opened(world))[-1]
+    world.person.face = None
+    assert world.play(1 / 30, lambda: world.frame(picture(luma=10)))[-1].pose.cut
+    world.person.face = face()
+    world.loop.use(world.open, "another video")
+    assert jaw(world.play(0.1))[0] > 0.4 * last
 
 
 def test_an_avatar_whose_regressor_is_broken_is_refused_and_the_one_before_stays(world: World) -> None:

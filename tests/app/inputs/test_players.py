@@ -101,6 +101,13 @@ def test_every_frame_is_found_again_whatever_holds_it(tmp_path: Path, clock: Clo
         assert shown == number
 
 
+def test_a_loop_of_fragments_loses_none_of_the_frames_that_are_stored_in_another_order(
+    tmp_path: Path, clock: Clock
+) -> None:
+    video = VideoPlayer(grey_clip(tmp_path / "clip.mp4", "frag_keyframe+empty_moov"), clock)
+    assert [number for number, _ in seen_numbers(video, clock, 2.5)][:60] == 2 * list(range(30))
+
+
 def test_how_long_a_video_is_that_does_not_tell_is_learnt_at_its_end(tmp_path: Path, clock: Clock) -> None:
     path = grey_clip(tmp_path / "clip.h264")
     played, sought = VideoPlayer(path, clock), VideoPlayer(path, clock)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode, InputError
-from gemheads.app.files.sources import read_image
+from gemheads.app.files.sources import files_of, files_sha256, read_image
 from gemheads.app.making.cameras import load_camera
 from gemheads.app.performing.portrait import portrait
 from gemheads.app.performing.tracks import load_track
@@ -67,6 +67,7 @@ def test_pictures_become_a_track_that_plays(tiny: Path, tmp_path: Path, capsys: 
     assert f"{track}: 2 frames" in capsys.readouterr().out
     kept = load_track(track)
     assert kept.rate == 25
+    assert kept.driver_sha256 == files_sha256(files_of(str(tmp_path / "shots")))
     assert np.degrees(np.abs(kept.poses[1].turn - [0.06, -0.08, 0.02]).max()) < 0.5
     assert read_image(errors).shape == (SIDE, 3 * SIDE, 3)
     words = ("reenact", "--track", str(track), "--avatar", str(tiny), "-o", str(again), "--size", f"{SIDE}x{SIDE}")

@@ -21,6 +21,16 @@ def test_the_head_fills_its_share_with_room_above_and_shoulders_below(size: tupl
     assert chin <= 0.8
 
 
+@pytest.mark.parametrize(("size", "share", "most_above"), [((540, 960), 0.55, 0.25), ((600, 800), 0.62, 0.15)])
+def test_a_tall_picture_is_filled_as_far_as_the_head_is_wide(
+    size: tuple[int, int], share: float, most_above: float
+) -> None:
+    camera = portrait(VIEWING, *size)
+    crown, chin = row_of(camera, 0.02 + 0.13) / size[1], row_of(camera, 0.02 - 0.13) / size[1]
+    assert chin - crown >= share
+    assert crown <= most_above
+
+
 def test_a_narrow_picture_keeps_the_whole_width_of_the_head() -> None:
     camera = portrait(VIEWING, 300, 600)
     height_px = row_of(camera, 0.02 - 0.13) - row_of(camera, 0.02 + 0.13)

@@ -12,9 +12,10 @@ from tracks import TRACK
 
 
 def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:
-    save_track(TRACK, tmp_path / "new" / "t.safetensors")
+    save_track(replace(TRACK, driver_sha256="cd" * 32), tmp_path / "new" / "t.safetensors")
     back = load_track(tmp_path / "new" / "t.safetensors")
     assert (back.avatar, back.avatar_sha256) == (TRACK.avatar, TRACK.avatar_sha256)
+    assert back.driver_sha256 == "cd" * 32
     assert (back.time_base, back.rate, back.frame_count) == (TRACK.time_base, TRACK.rate, 3)
     for (_, pose, pts), (_, pose0, pts0) in zip(back, TRACK, strict=True):
         assert pts == pts0
@@ -23,6 +24,11 @@ def test_a_track_comes_back_as_it_was(tmp_path: Path) -> None:
         assert np.array_equal(pose.translation, pose0.translation)
         assert (pose.phase, pose.faces, pose.clamped) == (pose0.phase, pose0.faces, pose0.clamped)
         assert pose.cut is pose0.cut
+
+
+def test_a_track_of_before_does_not_say_of_what_it_was_made(tmp_path: Path) -> None:
+    save_file(tensors(), tmp_path / "t", {FORMAT: json.dumps(ABOUT)})
+    assert load_track(tmp_path / "t").driver_sha256 == ""
 
 
 @pytest.mark.parametrize("rate", [Fraction(1035000000, 34505743), Fraction(2**31 - 1, 2**31 - 2)])

@@ -6,56 +6,24 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from importlib.util import find_spec
-from itertools import islice
 from pathlib import Path
-from typing import Any
 
-import av
 import cv2
 import numpy as np
 import pytest
 from gemheads.app.cli import main
-from gemheads.app.credentials.reading import read_credentials
 from gemheads.app.errors import ExitCode
 from gemheads.app.files.sources import Source, open_source
 from gemheads.app.library import DEMO_CLIP
-from gemheads.app.live import perform
-from gemheads.app.performing.performance import Pose
-from gemheads.app.performing.tracks import Track, load_track, save_track
 from gemheads.models.gemfile import load_gem, save_gem
-from gemheads.models.wholefile import file_sha256
 from waiting import eventually
 
-from ..clips import SIZE, VARIABLE, cut_clip, pictures, play, times
+from ..clips import SIZE, VARIABLE, cut_clip, pictures, play, sound, times
 from ..conftest import make_sound_unknown
 
 pytestmark = pytest.mark.skipif(not DEMO_CLIP.is_file(), reason=f"the demo clip is missing: {DEMO_CLIP}")
-
-
-@pytest.fixture
-def clip(tmp_path: Path) -> Path:
-    return cut_clip(tmp_path / "talk.mp4", VARIABLE)
-
-
-def write_track(path: Path, tiny: Path, frames: int) -> Path:
-    """A track of the avatar at rest with the times of ``clip``, whose head turns and moves more and more."""
-    gem = load_gem(tiny)
-    poses = tuple(
-        Pose(gem.rest_coefficients, np.float32([0, min(0.3 * i, 6), 0]), translation=np.float32([0.02 * i, 0, 0]))
-        for i in range(frames)
-    )
-    pts = np.cumsum([2002, *[1001, 1500, 500, 1001] * 25])[:frames]
-    save_track(Track("tiny", file_sha256(tiny), Fraction(1, 30000), Fraction(30), pts, poses), path)
-    return path
-
-
-def sound(path: Path) -> list[bytes]:
-    with av.open(str(path)) as container:
-        return [bytes(packet) for packet in container.demux(audio=0) if packet.size]
 
 
 def test_times_are_exact_sound_is_copied_and_the_report_tells(tiny: Path, clip: Path, tmp_path: Path) -> None:
@@ -118,76 +86,6 @@ def test_several_drivers_write_over_no_video_that_no_run_made(
     precious.unlink()
     for _ in range(2):  # results are written over by results
         assert play(tiny, *drivers, "-o", own) == ExitCode.OK
-
-
-def test_tracking_that_is_stopped_before_the_first_frame_says_so(
-    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def stopped(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("gemheads.app.reenacting.tracking.perform", stopped)
-    track = tmp_path / "t.safetensors"
-    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
-    assert main(words) == ExitCode.INTERRUPTED
-    assert not track.exists()
-    assert "stopped before the first frame; nothing was written" in capsys.readouterr().err
-
-
-def test_tracking_that_is_stopped_leaves_an_older_track_as_it_is(
-    tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def stopped(*words: Any) -> Iterator[Any]:
-        yield from islice(perform(*words), 3)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("gemheads.app.reenacting.tracking.perform", stopped)
-    track = tmp_path / "t.safetensors"
-    track.write_bytes(b"of before")
-    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
-    assert main(words) == ExitCode.INTERRUPTED
-    assert track.read_bytes() == b"of before"
-    left = tmp_path / "t.partial.safetensors"
-    assert f"{left}: stopped after 3 frames, 0 of them without a face" in capsys.readouterr().err
-    assert load_track(left).frame_count == 3
-
-
-def test_a_track_plays_as_the_video_did(tiny: Path, clip: Path, tmp_path: Path) -> None:
-    track, out, again, beside = (tmp_path / name for name in ("t.safetensors", "a.mp4", "b.mp4", "c.mp4"))
-    words = ["track", str(clip), "-o", str(track), "--avatar", str(tiny), "--driver", "baseline"]
-    assert main(words) == 0
-    assert play(tiny, clip, "-o", out) == 0
-    assert play(tiny, "--track", track, "-o", again) == 0
-    assert times(again) == times(out)
-    assert np.array_equal(pictures(again), pictures(out))
-    assert play(tiny, clip, "--track", track, "-o", beside, "--side-by-side", "--name-driver") == 0
-    assert sound(beside) == sound(clip)
-    if find_spec("c2pa"):
-        said = read_credentials(beside)
-        assert said.ours is not None
-        assert said.source_type == "compositeWithTrainedAlgorithmicMedia"
-        assert said.ours["along"] == {"kind": "video", "sha256": file_sha256(clip), "name": "talk.mp4"}
-    assert main(["export", str(tiny), "-o", str(tmp_path / "ply"), "--track", str(track)]) == 0
-    assert len(list((tmp_path / "ply").glob("frame_*.ply"))) == len(VARIABLE)
-
-
-def test_a_track_keeps_the_head_still_where_that_is_asked_for(tiny: Path, tmp_path: Path) -> None:
-    track = write_track(tmp_path / "t.safetensors", tiny, 3)
-    for name, words in (("turned.mp4", ()), ("still.mp4", ("--no-head-pose",))):
-        assert play(tiny, "--track", track, "-o", tmp_path / name, *words) == 0
-    turned, still = pictures(tmp_path / "turned.mp4"), pictures(tmp_path / "still.mp4")
-    assert np.abs(turned[0].astype(int) - turned[2]).max() > 20
-    assert np.abs(still[0].astype(int) - still[2]).max() < 5
-
-
-@pytest.mark.parametrize(("frames", "said"), [(3, "goes on after the 3 frames"), (99, "ends before the 99 frames")])
-def test_a_track_of_another_length_than_the_driver_is_told(
-    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], frames: int, said: str
-) -> None:
-    track = write_track(tmp_path / "t.safetensors", tiny, frames)
-    assert play(tiny, clip, "--track", track, "-o", tmp_path / "out.mp4") == ExitCode.INPUT
-    assert f"talk.mp4: {said} of the track" in capsys.readouterr().err
-    assert not (tmp_path / "out.mp4").exists()
 
 
 def test_a_report_names_what_was_not_begun_and_why_results_are_not_signed(
@@ -402,3 +300,24 @@ def test_a_full_disk_that_is_not_the_results_is_said_plainly(
     said = capsys.readouterr().err
     assert "talk.mp4: a disk is full: make room" in said
     assert "unexpected" not in said
+
+
+def test_several_drivers_write_over_no_picture_that_no_run_made(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other, sheets = tmp_path / "other.mp4", tmp_path / "sheets"
+    other.write_bytes(clip.read_bytes())
+    sheets.mkdir()
+    cv2.imwrite(str(sheets / "other.png"), np.zeros((8, 8, 3), np.uint8))
+    before = (sheets / "other.png").read_bytes()
+    words = (clip, other, "-o", tmp_path / "all", "--neutral-sheet", sheets)
+    for resume in ((), ("--resume",)):
+        assert play(tiny, *words, *resume) == ExitCode.OUTPUT
+        said = capsys.readouterr().err
+        assert "other.png: is there already, and nothing in it says that a run made it; choose another folder" in said
+        assert "--resume" not in said
+    assert (sheets / "other.png").read_bytes() == before
+    (sheets / "other.png").unlink()
+    for _ in range(2):  # sheets are written over by sheets
+        assert play(tiny, *words) == ExitCode.OK
+    assert min(cv2.imread(str(sheets / "other.png")).shape[:2]) > 250

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from gemheads.app.errors import OutputError
 from gemheads.app.senders.fan import Fan
-from gemheads.app.senders.outlet import Image, Shown
+from gemheads.app.senders.outlet import Shown
+from gemheads.render.arrays import Image
 from keepers import Keeper
 from waiting import SOON, eventually
 

@@ -9,10 +9,11 @@ import pytest
 from gemheads.app.credentials.badge import badged
 from gemheads.app.credentials.origin import Origin
 from gemheads.app.credentials.reading import read_credentials
-from gemheads.app.senders.outlet import Image, Marks, Shown
+from gemheads.app.senders.outlet import Marks, Shown
 from gemheads.app.senders.recording import Recording
 from gemheads.app.senders.snapshot import Snapshot
 from gemheads.app.senders.virtualcamera import VirtualCamera
+from gemheads.render.arrays import Image
 
 WHY = "a test that wants to see it bare"
 ORIGINS = {

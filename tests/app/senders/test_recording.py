@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from gemheads.app.errors import OutputError, UsageError
 from gemheads.app.files.video import VideoFile
-from gemheads.app.senders.outlet import Image, Marks, Shown
+from gemheads.app.senders.outlet import Marks, Shown
 from gemheads.app.senders.recording import Recording, open_recording, recording_in, recording_name
+from gemheads.render.arrays import Image
 
 SIZE = (96, 64)
 

@@ -12,8 +12,9 @@ import pytest
 from gemheads.app.errors import OutputError
 from gemheads.app.senders import loopback, virtualcamera
 from gemheads.app.senders.loopback import Loopback, LoopbackCamera, loopbacks
-from gemheads.app.senders.outlet import Image, Shown
+from gemheads.app.senders.outlet import Shown
 from gemheads.app.senders.virtualcamera import CHROMA_GREEN, VirtualCamera, open_virtual_camera
+from gemheads.render.arrays import Image
 
 
 class PixFormat(ctypes.Structure):

@@ -8,10 +8,10 @@ from gemheads.models.crossing import clip as clips
 from gemheads.models.crossing import double, still
 from gemheads.models.crossing.clip import Clip, track_clip
 from gemheads.models.crossing.mirror import Mirror
-from gemheads.models.crossing.reading import Image
 from gemheads.models.driver.answer import Answer, Express
 from gemheads.models.driver.features import score
 from gemheads.models.gem import Gem
+from gemheads.render.arrays import Image
 from numpy.typing import NDArray
 from pixelface import PixelTracker, painted
 

@@ -10,9 +10,10 @@ from gemheads.models.crossing.clip import Clip, ShortClip, UnseenDriver, track_c
 from gemheads.models.crossing.double import mirrored
 from gemheads.models.crossing.loop import echo
 from gemheads.models.crossing.mirror import LOOKS
-from gemheads.models.crossing.reading import LOOKS_APART, Image
+from gemheads.models.crossing.reading import LOOKS_APART
 from gemheads.models.driver.answer import Express
 from gemheads.models.driver.face import FaceObservation
+from gemheads.render.arrays import Image
 from pixelface import PixelTracker, painted
 
 from .conftest import RATE, PaintedMirror, performed

@@ -1,10 +1,12 @@
 """A real face to track: the shipped demo clip, or one of the clips beside the checkout."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import av
 import numpy as np
 import pytest
+from faces import face
 from gemheads.models.driver.face import FaceObservation, FaceTracker
 from gemheads.models.driver.geometry import VERTICES, read_geometry
 from gemheads.models.driver.networks import FOLDER, GEOMETRY_FILE, read_checked
@@ -47,16 +49,5 @@ def still_face(canonical: NDArray[np.float64]) -> FaceObservation:
     mesh[[13, 14], 1] = mesh[[13, 14], 1].mean()  # the canonical face holds its lips apart
     corners = mesh[[33, 133, 362, 263]]
     irises = np.repeat([corners[:2].mean(0), corners[2:].mean(0)], 5, axis=0)
-    return FaceObservation(
-        landmarks_px=np.zeros((478, 3)),
-        presence=1.0,
-        scores=np.full(52, 0.05, np.float32),
-        mixer=np.zeros(64, np.float32),
-        embedding=np.zeros(512, np.float32),
-        head_pose=pose,
-        metric_mesh=mesh,
-        metric_irises=irises,
-        image_size=(640, 480),
-        sharpness=0.01,
-        faces=None,
-    )
+    scores = np.full(52, 0.05, np.float32)
+    return replace(face(), scores=scores, head_pose=pose, metric_mesh=mesh, metric_irises=irises)

@@ -19,12 +19,13 @@ from gemheads.models.gemfile import save_gem
 from gemheads.models.importers.adopt import adopt
 from gemheads.models.importers.baremesh import capture_source
 from gemheads.models.metrics.pixels import BEST_DB
-from gemheads.models.train.judging.contestants import Act, Floats
+from gemheads.models.train.judging.contestants import Act
 from gemheads.models.train.judging.crew import Crew
 from gemheads.models.train.judging.evaluate import Alone, Moment, fill
 from gemheads.models.train.judging.judge import Judge
 from gemheads.models.train.judging.ledger import Ledger, Record, ShotKeys
 from gemheads.models.train.workers import WorkerLost
+from gemheads.render.arrays import Floats32
 from judges import Opens, Trouble, without_lpips
 
 
@@ -123,7 +124,7 @@ class Counting:
         self.threads.append((torch.get_num_threads(), numba.get_num_threads(), cv2.getNumThreads()))
         return Act(None, None, None, (), 0.0)
 
-    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats:
+    def draw(self, standin: StandIn, shot: Shot, act: Act) -> Floats32:
         return standin.truth(shot)
 
 
