@@ -10,7 +10,7 @@ from ...render.arrays import Floats
 from ...render.gaussians import RawGaussians
 from ..arkit import NAMES
 from ..distill import distill
-from ..gem import Gem, Viewing
+from ..gem import MODALITIES, Gem, Viewing
 from ..posing import NECK_PIVOT
 from .atlas import lay_out
 from .compose import compose
@@ -29,6 +29,8 @@ UV_SIZE = 160
 MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])
 EAR_CENTER, EAR_SIZE = np.array([0.080, -0.010, -0.078]), np.array([0.020, 0.045, 0.035])
 """Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
+OPACITY_COMPONENTS = 12
+"""They keep .985 and more of what the opacities of teeth and veil do."""
 PIVOT = np.array(NECK_PIVOT, np.float32)
 
 
@@ -101,7 +103,8 @@ def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:
     """Distil a performance of the subject, with the linear map from ARKit weights."""
     person = subject.person
     performance = perform(np.random.default_rng(person.seed), frames)
-    distilled = distill(subject.frames(performance), components)
+    wanted = dict.fromkeys(MODALITIES, components) | {"opacity": min(components, OPACITY_COMPONENTS)}
+    distilled = distill(subject.frames(performance), wanted)
     rest = subject.frame(np.zeros(len(NAMES)))
     part = subject.rider.part.astype(int)
     gem = Gem(

@@ -35,6 +35,8 @@ OVERLAP = 2.6
 """So many splats of the veil lie over every point, by their weights."""
 THINNEST, THICKEST = 0.004, 0.4
 """Opacity of a splat that lets all through, and the most that one has."""
+FAINTEST = 0.03
+"""A splat that no expression draws beyond this is left out."""
 LOOKED_FOR = (
     weights_of(mouthSmile=1),
     weights_of(mouthSmile=1, jawOpen=0.2, mouthUpperUp=0.8, mouthLowerDown=0.5),
@@ -99,7 +101,9 @@ def veil_of(shader: Shader, seen: NDArray[np.bool_], rng: np.random.Generator) -
         shadow, lines = darkening.lost(head.pose(weights), rider.corners, rider.weights)
         row[:] = _logit(opacity(1 - (1 - shadow) * (1 - lines))) - _logit(THINNEST)
     gram = performance.T @ performance + PENALTY * np.eye(performance.shape[1], dtype=np.float32)
-    return Veil(rider, np.linalg.solve(gram, performance.T @ drawn).astype(np.float32))
+    slopes = np.linalg.solve(gram, performance.T @ drawn).astype(np.float32)
+    kept = (performance @ slopes).max(0) > _logit(FAINTEST) - _logit(THINNEST)
+    return Veil(rider.chosen(kept), slopes[:, kept])
 
 
 def opacity(lost: Floats) -> Floats:
