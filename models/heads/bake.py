@@ -29,8 +29,9 @@ UV_SIZE = 160
 MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])
 EAR_CENTER, EAR_SIZE = np.array([0.080, -0.010, -0.078]), np.array([0.020, 0.045, 0.035])
 """Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
-OPACITY_COMPONENTS = 12
-"""They keep .985 and more of what the opacities of teeth and veil do."""
+MOST_COMPONENTS = {"rotation": 40, "scale": 40, "opacity": 12}
+"""What more would say of turns, sizes, and of the opacities of teeth and veil is less than the splats for which there is
+no room beside it."""
 PIVOT = np.array(NECK_PIVOT, np.float32)
 
 
@@ -103,7 +104,7 @@ def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:
     """Distil a performance of the subject, with the linear map from ARKit weights."""
     person = subject.person
     performance = perform(np.random.default_rng(person.seed), frames)
-    wanted = dict.fromkeys(MODALITIES, components) | {"opacity": min(components, OPACITY_COMPONENTS)}
+    wanted = {modality: min(components, MOST_COMPONENTS.get(modality, components)) for modality in MODALITIES}
     distilled = distill(subject.frames(performance), wanted)
     rest = subject.frame(np.zeros(len(NAMES)))
     part = subject.rider.part.astype(int)
