@@ -273,7 +273,7 @@ class Acting:
             self.source = replace(self.source, relock=False)
             other = lock_next(self._tracker, rgb, memory.box)
             if other:
-                memory = replace(memory, box=None)
+                memory = replace(memory, box=None, past=())
                 if self.source.settling.given is None:  # another person rests in another way
                     self.source = replace(self.source, settling=Settling(now=self.source.settling.now))
         return memory
@@ -329,4 +329,4 @@ def _express_of(avatar: Avatar) -> Express:
 
 def _fresh(memory: Memory) -> Memory:
     """Without the past that eases into what is shown."""
-    return replace(memory, expression=None, turn=None, misread=None)
+    return replace(memory, expression=None, turn=None, misread=None, past=())

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...models.driver.answer import Express
 from ...models.driver.face import FaceObservation, FaceTracker
-from ...models.driver.features import feature_vector, head_rotation, relative_rotation
+from ...models.driver.features import feature_vector, head_rotation, relative_rotation, rotation_in_camera
 from ...models.gem import Gem
 from ...render.arrays import Floats32
 from ...render.camera import Camera
@@ -52,12 +52,12 @@ class Guesser:
         rest = self._rest
         if face is None or rest is None:
             return None
-        seen = relative_rotation(head_rotation(face), head_rotation(rest))
+        rotations = head_rotation(face), head_rotation(rest)
         coefficients = self._gem.rest_coefficients
         if self._express is not None:
             relative = feature_vector(face) - feature_vector(rest)
-            coefficients = self._gem.clamped(self._express(relative, seen.astype(np.float32)).coefficients)
-        turn = (_UPRIGHT @ self._camera.world_to_camera[:3, :3]).T @ seen
+            coefficients = self._gem.clamped(self._express(relative, relative_rotation(*rotations)).coefficients)
+        turn = (_UPRIGHT @ self._camera.world_to_camera[:3, :3]).T @ rotation_in_camera(*rotations)
         return Guess(coefficients, turn.astype(np.float32), self._move(face, rest, turn).astype(np.float32))
 
     def _move(self, face: FaceObservation, rest: FaceObservation, turn: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...render.arrays import Floats64
-from ..driver.features import relative_rotation, score
+from ..driver.features import relative_rotation, rotation_in_camera, score
 from .reading import LANDMARKS, Reading, Readings
 
 
@@ -41,8 +41,10 @@ STILL = 1e-9
 """Standard deviation of what does not move at all."""
 
 
-def table(readings: Readings, neutral: Reading) -> Floats64:
-    """[F, channels] in the order of CHANNELS, relative to the neutral; rotations in degrees."""
+def table(readings: Readings, neutral: Reading, portrait: bool = False) -> Floats64:
+    """[F, channels] in the order of CHANNELS, relative to the neutral; rotations in degrees, of a ``portrait`` of an
+    avatar about the axes of its camera, which is known."""
+    rotation_of = rotation_in_camera if portrait else relative_rotation
     relative = readings.features - neutral.features
 
     def mean(*names: str) -> Floats64:
@@ -50,7 +52,7 @@ def table(readings: Readings, neutral: Reading) -> Floats64:
 
     horizontal = mean("eyeLookOutLeft", "eyeLookInRight") - mean("eyeLookInLeft", "eyeLookOutRight")
     vertical = mean("eyeLookUpLeft", "eyeLookUpRight") - mean("eyeLookDownLeft", "eyeLookDownRight")
-    turned = np.degrees([relative_rotation(rotation, neutral.rotation) for rotation in readings.rotations])
+    turned = np.degrees([rotation_of(rotation, neutral.rotation) for rotation in readings.rotations])
     turned = turned.reshape(-1, 3)  # of no pictures at all, too
     scores = [
         mean("jawOpen"),

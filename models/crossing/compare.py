@@ -74,7 +74,7 @@ def compare(clip: Clip, shown: Echo) -> Compared:
     """All figures of one clip."""
     enough = int(shown.seen.sum()) >= FEWEST_SEEN
     driver = table(clip.readings.only(shown.seen), clip.neutral)
-    avatar = table(shown.readings, shown.neutral)
+    avatar = table(shown.readings, shown.neutral, portrait=True)
     return Compared(
         likeness=likeness(driver, avatar) if enough else _nothing(table(clip.readings, clip.neutral)),
         agreement=agreement(*relative_embeddings(clip, shown)) if enough else None,

@@ -56,7 +56,7 @@ def sway(clip: Clip, express: Express, mirror: Mirror, progress: Callable[[], No
             found.append(np.zeros(len(CHANNELS)))
         else:
             driver = table(clip.readings.only(np.array(seen)), neutral)
-            found.append(likeness(driver, table(stacked(shown), rest)).correlation)
+            found.append(likeness(driver, table(stacked(shown), rest, portrait=True)).correlation)
         progress()
     return Swayed(np.stack(found), np.stack(means))
 

@@ -4,6 +4,10 @@ The face tracker reads the turn of a face against its line of sight, and a face 
 whoever turns aside seems to tilt a little as well, whoever tilts, to turn. That is the turn about axes that lean
 forward: to one side and by a few degrees on each of five heads, so a matter of the tracker and the portrait.
 ``tests/bench/nodding.py --heads`` prints by how much on which; here are the means.
+
+How a driver turns is read about the axes of the driver's own head (``features.relative_rotation``), since nobody says
+how that camera stands. These lean, too, as far as the tracker reads a head that looks straight ahead as looking up or
+down: the two that were made of people's faces, and six clips of people in the mean, as far as a portrait does.
 """
 
 import cv2

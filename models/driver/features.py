@@ -73,7 +73,15 @@ def head_rotation(face: FaceObservation) -> NDArray[np.float64]:
 
 
 def relative_rotation(rotation: NDArray[np.float64], neutral: NDArray[np.float64]) -> NDArray[np.float64]:
-    """[3] axis and angle of the rotation that takes the head from ``neutral`` [3] to ``rotation`` [3]."""
+    """[3] axis and angle of the turn that takes a person's head from ``neutral`` [3] to ``rotation`` [3], about the
+    head's own axes: an avatar's is turned about its own, and nobody levels a camera. About the axes of one that lies on
+    its side, who shakes the head would nod."""
+    return _rotvec(_matrix(neutral).T @ _matrix(rotation))
+
+
+def rotation_in_camera(rotation: NDArray[np.float64], neutral: NDArray[np.float64]) -> NDArray[np.float64]:
+    """[3] the same turn about the axes of the camera, for pictures that are drawn: before a camera that is known these
+    are the better ones, since a head's own are read off its face, on some heads 6 degrees too high or too low."""
     return _rotvec(_matrix(rotation) @ _matrix(neutral).T)
 
 

@@ -1,7 +1,7 @@
 """The turned square of the image that the landmark network looks at."""
 
 from dataclasses import dataclass
-from math import atan2, cos, sin, sqrt
+from math import atan2, ceil, cos, sin, sqrt
 
 import cv2
 import numpy as np
@@ -11,6 +11,8 @@ from .points import LEFT_EYE_OUTER, RIGHT_EYE_OUTER
 
 _MARGIN = 1.5
 """Side of the square over the extent of the landmarks."""
+_SHRUNK_FROM = 1.75
+"""Pixels of the image for one of the crop: from so many on, and again for each whole one more, they are averaged."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,30 @@ class Region:
         )
 
     def crop(self, rgb: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
-        """The square as an upright picture [side, side, 3]; what lies outside the image repeats its border."""
+        """The square as an upright picture [side, side, 3]; what lies outside the image repeats its border. Of a large
+        face each pixel is a mean of those that it stands for: sampled among four, it would have all of their grain."""
+        times = int(self.size / side + 2 - _SHRUNK_FROM)
+        part = self._part(rgb, times) if times > 1 else None
+        if part is not None:
+            return part[0].crop(part[1], side)
         matrix = self.to_image(side)
         matrix[:, 2] += (matrix[:, 0] + matrix[:, 1] - 1) / 2  # OpenCV counts from the centre of the first pixel
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         crop = cv2.warpAffine(rgb, matrix, (side, side), flags=flags, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(crop, np.uint8)
+
+    def _part(self, rgb: NDArray[np.uint8], times: int) -> tuple["Region", NDArray[np.uint8]] | None:
+        """The same place in the part of the image about it, shrunk so many times; None where there is nothing of it.
+        Which pixels are averaged together depends on the image alone, so that nothing swims as the face moves."""
+        x, y, reach = self.x / times, self.y / times, self.size / times * sqrt(0.5)
+        height, width = (side // times for side in rgb.shape[:2])
+        left, top = max(0, int(x - reach)), max(0, int(y - reach))
+        right, bottom = min(width, ceil(x + reach) + 1), min(height, ceil(y + reach) + 1)
+        if right <= left or bottom <= top:
+            return None
+        part = rgb[top * times : bottom * times, left * times : right * times]
+        shrunk = cv2.resize(part, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
+        return Region(x - left, y - top, self.size / times, self.tilt), np.asarray(shrunk, np.uint8)
 
 
 def region_around(landmarks: NDArray[np.float64]) -> Region:

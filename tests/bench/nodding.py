@@ -5,20 +5,23 @@
 The first table is where models/driver/nodding.py has its figures from: random faces of each avatar, its head still,
 ridge regression of the pitch that is read on their ARKit weights. The second is where models/driver/axes.py has its
 figures from: faces at rest, random turns, least squares of what is read on what was drawn and its products; and the
-error (RMS) when the turn is drawn as it shall be read, and when drawn_turn says how. In the third each avatar plays
-the driver of the others, with random faces and turns that are known.
+error (RMS) when the turn is drawn as it shall be read, and when drawn_turn says how. In the third the same heads are
+people before cameras that nobody has levelled: how far the turn that is drawn of what is read of them errs, about the
+camera's axes and about the head's own. In the fourth each avatar plays the driver of the others, with random faces
+and turns that are known.
 """
 
 import argparse
 from itertools import permutations
 from pathlib import Path
 
+import cv2
 import numpy as np
 from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.crossing.reading import Reading
 from gemheads.models.driver.axes import drawn_turn
-from gemheads.models.driver.features import relative_rotation
+from gemheads.models.driver.features import relative_rotation, rotation_in_camera
 from gemheads.models.driver.nodding import READ_AS_PITCH_DEG
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gemfile import load_gem
@@ -31,6 +34,14 @@ TURNS = np.radians([7.0, 10.0, 4.0])
 """Standard deviations of pitch, yaw and roll of those who play drivers."""
 FARTHEST = np.radians([15.0, 25.0, 12.0])
 """To which faces at rest turn."""
+STANDS = {
+    "level": (0, 0, 0),
+    "20 below": (-20, 0, 0),
+    "20 above": (20, 0, 0),
+    "20 aside": (0, 20, 0),
+    "on its side": (0, 0, 90),
+}
+"""Cameras, and pitch, yaw and roll of a head that faces ahead as they see it, degrees."""
 BEYOND = 0.3
 """Radians; a reading so far off is a face that was lost."""
 RIDGE = 0.5
@@ -41,12 +52,16 @@ LEAST_DEG = 0.5
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("avatars", nargs="*", type=Path, default=sorted(SHIPPED.glob("*.gem")))
-    parser.add_argument("--heads", nargs="*", type=Path, default=[], help="more .gem files, for the second table alone")
+    parser.add_argument(
+        "--heads", nargs="*", type=Path, default=[], help="more .gem files, for the second and third table"
+    )
     parser.add_argument("--faces", type=int, default=500)
     asked = parser.parse_args()
     mirrors = {path.stem: Mirror(load_gem(path), SIZE) for path in asked.avatars}
     read_off(mirrors, asked.faces)
-    about_axes(mirrors | {path.stem: Mirror(load_gem(path), SIZE) for path in asked.heads}, asked.faces // 2)
+    heads = mirrors | {path.stem: Mirror(load_gem(path), SIZE) for path in asked.heads}
+    about_axes(heads, asked.faces // 2)
+    unlevel(heads, asked.faces // 4)
     driven(mirrors, asked.faces // 2)
 
 
@@ -89,8 +104,37 @@ def at_rest(mirror: Mirror, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         mirror.restart()
         reading = mirror.read(mirror.draw(mirror.gem.rest_coefficients, turn), LOOKS)
         if reading is not None:
-            read[place] = relative_rotation(reading.rotation, rest.rotation)
+            read[place] = rotation_in_camera(reading.rotation, rest.rotation)
     return read, np.abs(read - turns).max(1) < BEYOND
+
+
+def unlevel(mirrors: dict[str, Mirror], turns: int) -> None:
+    """Errors of pitch, yaw and roll (RMS, degrees) of an avatar that such cameras drive."""
+    print(f"\n| camera | about whose axes | {' | '.join(mirrors)} |\n|---|---|{'---|' * len(mirrors)}")
+    shall = np.random.default_rng(3).uniform(-1, 1, (turns, 3)) * FARTHEST
+    for camera, stand in STANDS.items():
+        seen = [before(mirror, shall, np.radians(stand)) for mirror in mirrors.values()]
+        for whose, turn_of in (("the camera's", rotation_in_camera), ("the head's", relative_rotation)):
+            cells = []
+            for rest, rotations, found in seen:
+                drawn = np.stack([drawn_turn(turn_of(rotation, rest)) for rotation in rotations])
+                cells.append(three(np.degrees(rms(drawn - shall[found]))))
+            print(f"| {camera} | {whose} | {' | '.join(cells)} |")
+
+
+def before(mirror: Mirror, turns: np.ndarray, stand: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of a face at rest that a camera sees turned by ``stand`` [3]: its rotation [3], those of further ``turns`` [F, 3]
+    about its own axes in which a face was found [S, 3], and which those are [F]."""
+    ahead = cv2.Rodrigues(stand)[0]
+    rotations = []
+    for turn in (np.zeros(3), *turns):
+        mirror.restart()
+        turned = cv2.Rodrigues(ahead @ cv2.Rodrigues(turn)[0])[0].ravel()
+        reading = mirror.read(mirror.draw(mirror.gem.rest_coefficients, turned), LOOKS)
+        rotations.append(np.full(3, np.nan) if reading is None else reading.rotation)
+    read = np.stack([relative_rotation(rotation, rotations[0]) for rotation in rotations[1:]])
+    seen = np.abs(read - turns).max(1) < BEYOND
+    return rotations[0], np.stack(rotations[1:])[seen], seen
 
 
 def driven(mirrors: dict[str, Mirror], faces: int) -> None:

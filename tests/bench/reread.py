@@ -65,7 +65,7 @@ def tables(clip: Clip, first: Echo, second: Echo) -> list[NDArray[np.float64]]:
     """[S, channels] of driver, avatar and avatar, in the S frames in which both pictures of the avatar were read."""
     both = first.seen & second.seen
     answer = [table(clip.readings.only(both), clip.neutral)]
-    return answer + [table(one.readings.only(both[one.seen]), one.neutral) for one in (first, second)]
+    return answer + [table(one.readings.only(both[one.seen]), one.neutral, portrait=True) for one in (first, second)]
 
 
 if __name__ == "__main__":

@@ -65,7 +65,7 @@ def seen(mirror: Mirror, picture: Image) -> Reading:
 
 def channel(name: str, reading: Reading, rest: Reading) -> float:
     """What one channel of the closed loop says of a picture."""
-    return float(table(stacked([reading]), rest)[0, CHANNELS.index(name)])
+    return float(table(stacked([reading]), rest, portrait=True)[0, CHANNELS.index(name)])
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from ....render.gaussians import RawGaussians
 from ....render.software import SoftwareEngine
 from ...driver.axes import drawn_turn
 from ...driver.face import FaceObservation, FaceTracker, looked
-from ...driver.features import DIMENSION, feature_vector, head_rotation, relative_rotation
+from ...driver.features import DIMENSION, feature_vector, head_rotation, rotation_in_camera
 from ...gem import Gem
 from ...posing import pose_head
 from ..threads import one_torch_thread
@@ -130,7 +130,7 @@ def measure_responses(
         if seen is not None:
             kept.append(index)
             features.append((feature_vector(seen) - feature_vector(neutral))[None])
-            turns.append(relative_rotation(head_rotation(seen), head_rotation(neutral)).astype(np.float32)[None])
+            turns.append(rotation_in_camera(head_rotation(seen), head_rotation(neutral)).astype(np.float32)[None])
         progress(index + 1, len(weights))
     return Responses(weights[kept], rotations[kept], np.concatenate(turns), np.concatenate(features))
 

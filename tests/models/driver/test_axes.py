@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.axes import LEAN_DEG, MOST_LOST, YAW_LOST, drawn_turn
-from gemheads.models.driver.features import relative_rotation
+from gemheads.models.driver.features import relative_rotation, rotation_in_camera
 from gemheads.models.gemfile import load_gem
 
 AVATARS = Path(__file__).parents[3] / "assets" / "avatars"
@@ -40,7 +40,7 @@ def test_a_turn_is_read_as_it_shall_be(name: str) -> None:
         mirror.restart()
         reading = mirror.read(mirror.draw(mirror.gem.rest_coefficients, turn), 2)
         assert reading is not None
-        return relative_rotation(reading.rotation, rest.rotation)
+        return rotation_in_camera(reading.rotation, rest.rotation)
 
     shall = np.radians([[0, 25, 0], [0, -25, 0], [0, 0, 15], [0, 0, -15], [-8, 20, -8], [12, -15, 5]])
     plain = np.stack([read(turn) - turn for turn in shall])
@@ -48,3 +48,19 @@ def test_a_turn_is_read_as_it_shall_be(name: str) -> None:
     crossed = np.linalg.norm(plain[:4, [2, 2, 1, 1]].diagonal()), np.linalg.norm(better[:4, [2, 2, 1, 1]].diagonal())
     assert crossed[1] < 0.75 * crossed[0]  # roll of who looks aside, yaw of who tilts
     assert np.linalg.norm(better[:, 1:]) < np.linalg.norm(plain[:, 1:])
+
+
+def test_a_head_shaken_before_a_camera_on_its_side_is_shaken() -> None:
+    mirror = Mirror(load_gem(AVATARS / "mara.gem"), 384)
+    read = []
+    for quarters in (0, 1):
+        rotations = []
+        for turn in np.radians([[0, 0, 0], [0, 20, 0]]):
+            mirror.restart()
+            picture = np.ascontiguousarray(np.rot90(mirror.draw(mirror.gem.rest_coefficients, turn), quarters))
+            reading = mirror.read(picture, 2)
+            assert reading is not None
+            rotations.append(reading.rotation)
+        read.append(np.degrees(relative_rotation(rotations[1], rotations[0])))
+    np.testing.assert_allclose(read[1], read[0], atol=3)
+    assert read[1][1] > 15

@@ -15,6 +15,7 @@ from gemheads.models.driver.features import (
     feature_vector,
     head_rotation,
     relative_rotation,
+    rotation_in_camera,
     score,
 )
 from gemheads.models.driver.gaze import EYEBALL_RADIUS_CM, eye_gaze, joined
@@ -114,7 +115,16 @@ def test_rotations_are_those_of_the_renderer(still_face: FaceObservation) -> Non
         pose[:3, :3] = 0.7 * one
         found = head_rotation(replace(still_face, head_pose=pose))
         np.testing.assert_allclose(found, rotvec_from_matrix(one), atol=1e-9)
-        np.testing.assert_allclose(relative_rotation(turn, other), rotvec_from_matrix(one @ two.T), atol=1e-9)
+        np.testing.assert_allclose(relative_rotation(turn, other), rotvec_from_matrix(two.T @ one), atol=1e-9)
+        np.testing.assert_allclose(rotation_in_camera(turn, other), rotvec_from_matrix(one @ two.T), atol=1e-9)
+
+
+@pytest.mark.parametrize("camera_deg", [(0, 0, 0), (-20, 0, 0), (0, 25, 0), (0, 0, 90), (-15, 10, 30)])
+def test_a_head_turns_about_its_own_axes_however_the_camera_stands(camera_deg: tuple[float, float, float]) -> None:
+    turn, ahead = np.radians([4.0, 25.0, -6.0]), np.radians(camera_deg)
+    stand, own = (matrix_from_wxyz(wxyz_from_rotvec(rotation)) for rotation in (ahead, turn))
+    seen = rotvec_from_matrix(stand @ own)
+    np.testing.assert_allclose(relative_rotation(seen, ahead), turn, atol=1e-9)
 
 
 def test_a_pose_that_is_no_number_is_not_taken_for_a_head_at_rest(still_face: FaceObservation) -> None:

@@ -9,7 +9,7 @@ from gemheads.models.arkit import NAMES
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.answer import by_scores
 from gemheads.models.driver.axes import drawn_turn
-from gemheads.models.driver.features import DIMENSION, relative_rotation, score
+from gemheads.models.driver.features import DIMENSION, rotation_in_camera, score
 from gemheads.models.driver.nodding import MOST_DEG, READ_AS_PITCH_DEG, nodding_of
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
@@ -71,7 +71,7 @@ def test_a_still_head_that_acts_seems_to_turn_less(name: str) -> None:
         mirror.restart()
         reading = mirror.read(mirror.draw(coefficients, np.zeros(3)))
         assert reading is not None
-        turn = relative_rotation(reading.rotation, rest.rotation)
+        turn = rotation_in_camera(reading.rotation, rest.rotation)
         seeming.append(turn[0])
         left.append(nodding.taken_off(turn, coefficients)[0])
     # What is taken off is the mean of three heads: of a single shape, on one of them, it may be too much.
