@@ -9,6 +9,7 @@ from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 
 _RNG = np.random.default_rng(3)
 _MESH, _IRISES = _RNG.normal(size=(468, 3)), 0.2 * _RNG.normal(size=(10, 3))
+_MESH[14] = _MESH[13]  # lips together: at rest
 
 
 def face(jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, float] = (100, 100)) -> FaceObservation:
