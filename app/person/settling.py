@@ -18,16 +18,16 @@ PATIENCE_SECS = 20.0
 SPACING_SECS = 0.1
 """Faces that are closer together than this say the same."""
 RECHOOSE_SECS, RECHOOSE_SHARE = 0.25, 0.1
-"""The provisional choice is looked over after so long, and after such a part more of the time: of many faces it takes long."""
+"""The provisional choice is looked over after so long, and after such a part more of the time: many take longer."""
 EASE_SECS = 0.2
 """Time constant of going over from one neutral to another."""
-AT_REST = 0.6
-"""A neutral that costs more is none. On six talking clips the best of six seconds costs .1 to .6 where there is a moment
-of rest in them, and .7 to 2 where there is none."""
+AT_REST = 0.4
+"""A neutral that costs more is none. In eight seconds of a talking face the best costs .04 to .3 where there is a moment
+of rest, and .9 to 1.8 where there is none."""
 FRONTAL_DEG = 12.0
 """Who looks further aside, up or down may look at something else than the camera for now: that takes longer to tell."""
 FORMER_SECS = 4.0
-"""So long at most the rest of whoever was here before counts for somebody who comes back and shows none: it may be they."""
+"""So long at most the rest of whoever was here before counts for somebody who comes and shows none: it may be they."""
 MOST_TURN_DEG = 45.0
 LEAST_PRESENCE = 0.7
 

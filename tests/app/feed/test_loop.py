@@ -199,13 +199,13 @@ def test_the_neutral_is_not_silently_the_first_frame() -> None:
 
 def test_who_never_rests_is_told_what_to_do_until_it_is_done() -> None:
     world = World()
-    world.person.face = face(turn=(0.3, 0.5, 0))
+    world.person.face = face(lips_cm=1.0)
     world.play(2.0)
     assert world.loop.health.hints == (SENTENCES["settling"],)
     world.play(20.0)
     assert world.loop.health.settled
     assert world.loop.health.hints == (SENTENCES["makeshift"],)
-    world.loop.acting.rest(neutral_of(face(turn=(0.3, 0.5, 0)), 0, 0.0, "taken"))
+    world.loop.acting.rest(neutral_of(face(), 0, 0.0, "taken"))
     world.play(2.0)
     assert world.loop.health.hints == ()
 
@@ -238,9 +238,7 @@ def test_who_only_bent_down_keeps_their_neutral(world: World) -> None:
 def test_who_comes_back_talking_is_measured_from_the_rest_that_was_seen_before(world: World) -> None:
     world.person.face = None
     world.play(1.5)
-    lips_apart = np.array(face().metric_mesh)
-    lips_apart[14, 1] -= 1.5
-    world.person.face = replace(face(jaw=0.5), metric_mesh=lips_apart)
+    world.person.face = face(jaw=0.5, lips_cm=1.0)
     assert jaw(world.play(3.0))[-1] > 0.4
     world.play(7.0)
     assert SENTENCES["settling"] in world.loop.health.hints
