@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.driver.answer import Answer, Express
+from ...models.driver.detector import overlap
+from ...models.driver.face import SAME_FACE
 from ...models.driver.neutral import NeutralChoice
 from ...models.driver.regressor import Regressor
 from ...models.driver.smoothing import Smoothed
@@ -23,6 +25,7 @@ from ..performing.presence import Phase, update
 from ..performing.shots import Observed, Shot
 from ..person.following import (
     Actor,
+    Look,
     Memory,
     Tracker,
     count_faces,
@@ -32,7 +35,7 @@ from ..person.following import (
 )
 from ..person.hints import Hints, Sign, signs_of, update_hints
 from ..person.seeing import lock_next, observe, sketch_of
-from ..person.settling import Settling, go_over, settle
+from ..person.settling import Settling, anew, go_over, settle
 from ..person.tuning import Tuning, actor_for
 from .onesource import OneSource
 
@@ -41,6 +44,8 @@ LONGEST_DT = 1.0
 """Seconds; a longer gap, or one that goes back, is a jump in the source: then the clock says how much time went by."""
 FOR_GOOD = 60.0
 """Seconds after which everything that eases has arrived."""
+SEAT_SECS = 1.0
+"""Nobody leaves a chair to somebody else in less."""
 
 
 class Acting:
@@ -144,8 +149,10 @@ class Acting:
             memory = count_faces(self._tracker, memory, timed)
             observed = observe(seen.face, frame.rgb, memory.faces)
             if observed.is_finite:
-                strength = self._tuning.neutral_strength
-                settling = settle(self.source.settling, seen.face, timed.seconds, dt, strength)
+                strength, settling = self._tuning.neutral_strength, self.source.settling
+                if not exact and _may_be_another(before, seen):
+                    settling = anew(settling)
+                settling = settle(settling, seen.face, timed.seconds, dt, strength)
                 self.source = replace(self.source, face=seen.face, weights=None, settling=settling)
                 memory = follow(self._with_neutral(), memory, seen.face, 0.0 if exact else dt)
             else:
@@ -282,8 +289,8 @@ class Acting:
         signs: set[Sign] = set()
         if observed is not None and self._memory.turn is not None:
             signs = signs_of(observed, self._memory.turn.value)
-            if not self.source.settling.settled:
-                signs.add("settling")
+            if not self.source.settling.at_rest:
+                signs.add("makeshift" if self.source.settling.final else "settling")
         if rate is not None:
             signs.add("slow")
         self._learn(replace(self.source, hints=update_hints(self.source.hints, signs, dt)))
@@ -306,6 +313,14 @@ class Acting:
         self._serial += 1
         ready, avatar = self._clock(), self._avatar.sha256
         return Shot(self._serial, pose, avatar, delivered, ready, source_secs, sketch, observed, stages or {})
+
+
+def _may_be_another(before: Memory, seen: Look) -> bool:
+    """Whether a face that is seen after a while may be another person's, who rests in another way."""
+    if before.attention.phase is not Phase.IDLE or seen.face is None:
+        return False
+    elsewhere = before.box is None or overlap(before.box, seen.face.box_px) < SAME_FACE
+    return elsewhere or before.attention.missing_secs + seen.dt >= SEAT_SECS
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ...render.arrays import Floats
 from ..performing.shots import Observed
 from .following import TURNED_DEG
 
-Sign = Literal["dark", "backlit", "blurred", "far", "slow", "two faces", "turned", "settling"]
+Sign = Literal["dark", "backlit", "blurred", "far", "slow", "two faces", "turned", "settling", "makeshift"]
 
 SENTENCES: dict[Sign, str] = {
     "dark": "It is too dark: put a lamp in front of you.",
@@ -20,7 +20,8 @@ SENTENCES: dict[Sign, str] = {
     "slow": "The camera gives few pictures a second: give more light, or choose a smaller picture.",
     "two faces": "Somebody else is in the picture: the first face stays followed, L follows the other.",
     "turned": "You are turned too far: look towards the camera.",
-    "settling": "Finding your face at rest: look at the camera, mouth closed, for a moment.",
+    "settling": "Finding your face at rest: look at the camera, mouth closed, for a moment, or press N.",
+    "makeshift": "Your face was not seen at rest: press N, and look at the camera, mouth closed.",
 }
 SIGNS: tuple[Sign, ...] = get_args(Sign)
 HARD_TO_READ: frozenset[Sign] = frozenset({"dark", "backlit", "blurred", "far", "slow"})

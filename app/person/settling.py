@@ -9,17 +9,26 @@ from ...models.driver.face import FaceObservation
 from ...models.driver.features import head_rotation
 from ...models.driver.neutral import NeutralChoice, choose_neutral
 
-COLLECT_SECS = 1.5
-"""So much of a face that is fit to be looked at."""
+COLLECT_SECS = 6.0
+"""So much of a face is looked at: who opens the window talks, or looks for a key, for longer than a moment."""
 FEWEST = 8
 """Frames that have to be fit; fewer wait for more ..."""
-PATIENCE_SECS = 4.0
-"""... but no longer than this; then what there is has to do."""
-RECHOOSE_SECS = 0.25
-"""How often the provisional choice is looked over."""
+PATIENCE_SECS = 20.0
+"""... but no longer than this, and no longer for a face at rest; then what there is has to do."""
+SPACING_SECS = 0.1
+"""Faces that are closer together than this say the same."""
+RECHOOSE_SECS, RECHOOSE_SHARE = 0.25, 0.1
+"""The provisional choice is looked over after so long, and after such a part more of the time: many take longer."""
 EASE_SECS = 0.2
 """Time constant of going over from one neutral to another."""
-MOST_TURN_DEG = 20.0
+AT_REST = 0.4
+"""A neutral that costs more is none. In eight seconds of a talking face the best costs .04 to .3 where there is a moment
+of rest, and .9 to 1.8 where there is none."""
+FRONTAL_DEG = 12.0
+"""Who looks further aside, up or down may look at something else than the camera for now: that takes longer to tell."""
+FORMER_SECS = 4.0
+"""So long at most the rest of whoever was here before counts for somebody who comes and shows none: it may be they."""
+MOST_TURN_DEG = 45.0
 LEAST_PRESENCE = 0.7
 
 
@@ -35,6 +44,8 @@ class Settling:
     """The one that the person took, in its place."""
     now: NeutralChoice | None = None
     """What is to be subtracted at this moment."""
+    former: NeutralChoice | None = None
+    """That of whoever was here before, which counts in the place of ``automatic`` until that is a rest."""
     faces: tuple[FaceObservation, ...] = ()
     times: tuple[float, ...] = ()
     """Of ``faces``, seconds."""
@@ -48,9 +59,19 @@ class Settling:
         return self.final or self.given is not None
 
     @property
+    def found(self) -> NeutralChoice | None:
+        """What counts where none is given."""
+        return self.former or self.automatic
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether what counts is a face at rest, as far as can be told, and no makeshift."""
+        return self.given is not None or (self.found is not None and _cost(self.found) <= AT_REST)
+
+    @property
     def reason(self) -> str:
         """Why this one, in words."""
-        choice = self.given or self.automatic
+        choice = self.given or self.found
         return choice.reason if choice else ""
 
 
@@ -62,31 +83,60 @@ def settle(before: Settling, face: FaceObservation, now: float, dt: float, stren
     return go_over(before if before.final else _collected(before, face, now), dt, strength)
 
 
+def anew(before: Settling) -> Settling:
+    """Where somebody comes back, or another one in their place: all is found anew, but for a neutral that was given."""
+    return before if before.given is not None else Settling(former=before.found, now=before.now)
+
+
 def go_over(before: Settling, dt: float, strength: float = 1.0) -> Settling:
     """``dt`` seconds later without another look. Raises ValueError where no neutral is known yet."""
-    target = _between(before.automatic, before.given, strength)
+    target = _between(before.found, before.given, strength)
     share = 1.0 if before.now is None else float(-np.expm1(-max(dt, 0.0) / EASE_SECS))
     return replace(before, now=_towards(before.now, target, share))
 
 
 def _collected(before: Settling, face: FaceObservation, now: float) -> Settling:
-    """The collection with one more face, where it is fit; looked over now and then; at last final."""
+    """The collection with one more face, where it is fit and says more; looked over now and then; at last final."""
     begun = before.begun if before.automatic else now
     waited = now - begun
-    if before.automatic and waited < PATIENCE_SECS and not _is_fit(face):
+    over = waited >= PATIENCE_SECS
+    if before.automatic and not over and (now - before.times[-1] < SPACING_SECS or not _is_fit(face)):
         return before
     faces, times = (*before.faces, face), (*before.times, now)
-    final = (now - times[0] >= COLLECT_SECS and len(faces) >= FEWEST) or waited >= PATIENCE_SECS
-    if not final and before.automatic and now - before.chosen_at < RECHOOSE_SECS:
+    if before.automatic and not over and now - before.chosen_at < max(RECHOOSE_SECS, RECHOOSE_SHARE * waited):
         return replace(before, faces=faces, times=times)
-    choice = choose_neutral(faces, [time - begun for time in times])
+    choice = choose_neutral(faces, [time - begun for time in times], [None] * len(faces))
+    final = over or (waited >= COLLECT_SECS and len(faces) >= FEWEST and _is_rest(choice))
     kept = ((), ()) if final else (faces, times)
-    return replace(before, automatic=choice, final=final, faces=kept[0], times=kept[1], begun=begun, chosen_at=now)
+    shown = waited >= FORMER_SECS or (len(faces) >= FEWEST and _cost(choice) <= AT_REST)
+    return replace(
+        before,
+        automatic=choice,
+        final=final,
+        former=None if shown else before.former,
+        faces=kept[0],
+        times=kept[1],
+        begun=begun,
+        chosen_at=now,
+    )
 
 
 def _is_fit(face: FaceObservation) -> bool:
-    pitch, yaw, _ = np.degrees(np.abs(head_rotation(face)))
-    return face.presence >= LEAST_PRESENCE and bool(max(pitch, yaw) <= MOST_TURN_DEG)
+    return face.presence >= LEAST_PRESENCE and _most_turned(head_rotation(face)) <= MOST_TURN_DEG
+
+
+def _is_rest(choice: NeutralChoice) -> bool:
+    """Whether nothing speaks against it, nor for something better to come."""
+    return _cost(choice) <= AT_REST and _most_turned(choice.rotation) <= FRONTAL_DEG
+
+
+def _cost(choice: NeutralChoice) -> float:
+    return choice.candidates[0].cost if choice.candidates else 0.0
+
+
+def _most_turned(rotation: NDArray[np.float64]) -> float:
+    """Degrees of the turn to the side, or up and down, whichever is more."""
+    return float(np.degrees(np.abs(rotation[:2])).max())
 
 
 def _between(automatic: NeutralChoice | None, given: NeutralChoice | None, strength: float) -> NeutralChoice:

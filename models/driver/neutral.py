@@ -19,6 +19,11 @@ _NEIGHBOURS = 2
 """The neutral's features are the median over this many frames before and behind the chosen one: less noise."""
 _LIKE_THE_BEST = 0.15
 """Neighbours join when their cost is at most this much higher."""
+_SEAT_DEG = np.array([25.0, 12.0, 20.0])
+"""So far (pitch, yaw, roll) a head may be off the camera's axis and be taken to look ahead: cameras stand below or above
+a face, seldom beside it; who is turned further aside for most of a clip looks at somebody else."""
+_SWAY_DEG = 5.0
+"""How far the neutral's head may be from how it sits most of the clip."""
 _EXPRESSIONS = (
     *("jawOpen", "mouthSmileLeft", "mouthSmileRight", "mouthPucker", "mouthFunnel", "browInnerUp", "browDownLeft"),
     *("browDownRight", "mouthPressLeft", "mouthPressRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthLeft"),
@@ -72,7 +77,8 @@ class NeutralChoice:
     features: NDArray[np.float32]
     """[D] the neutral's feature vector."""
     rotation: NDArray[np.float64]
-    """[3] the neutral's head rotation, as from ``features.head_rotation``."""
+    """[3] the neutral's head rotation, as from ``features.head_rotation``: that of the frame, but near how the head is
+    in most of the clip, else an avatar would be bowed or turned throughout."""
     reason: str
     """Why this frame, in words."""
     candidates: tuple[Candidate, ...]
@@ -83,6 +89,8 @@ def choose_neutral(
     observations: Sequence[FaceObservation | None], times: Sequence[float], numbers: Sequence[int | None] | None = None
 ) -> NeutralChoice:
     """The frame that is frontal, mouth closed, eyes open, without expression, like most of the clip, and sharp.
+
+    A head that is off the camera's axis for most of the clip, as before a camera that stands lower, is frontal there.
 
     Args:
         observations: one per sampled frame, None where no face was seen.
@@ -97,13 +105,15 @@ def choose_neutral(
     best = int(costs.argmin())
     group = np.arange(max(0, best - _NEIGHBOURS), min(len(costs), best + _NEIGHBOURS + 1))
     group = group[costs[group] <= costs[best] + _LIKE_THE_BEST]
+    turned = np.median(faces.rotations[group], axis=0)
+    rotation = _near_the_seat(turned, faces.rotations)
     number = chosen.index if numbers is None else numbers[chosen.index]
     return NeutralChoice(
         index=chosen.index,
         time=chosen.time,
         features=np.median(faces.features[group], axis=0).astype(np.float32),
-        rotation=np.median(faces.rotations[group], axis=0),
-        reason=_reason(chosen, faces.rotations[best], number),
+        rotation=rotation,
+        reason=_reason(chosen, faces.rotations[best], rotation, number),
         candidates=_spread(faces.ranking, max(times) - min(times), CANDIDATES),
     )
 
@@ -168,7 +178,7 @@ def _penalties(
     open_lids = np.quantile(lid_gap, 0.7)
     spread = np.median(np.abs(measures - np.median(measures, axis=0)), axis=0) + 0.02
     unusual = (np.abs(measures - np.median(measures, axis=0)) / spread).mean(1)
-    degrees = np.degrees(np.abs(rotations))
+    degrees = np.degrees(np.abs(rotations - _seat(rotations)))
     gaze = np.degrees(features[:, BLOCKS["gaze"]])
     aside = np.abs(gaze - np.median(gaze, axis=0)).max(1)
     return {
@@ -182,13 +192,33 @@ def _penalties(
     }
 
 
-def _reason(chosen: Candidate, rotation: NDArray[np.float64], number: int | None) -> str:
-    pitch, yaw, roll = np.degrees(rotation)
+def _seat(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """[3] how the head [frames, 3] is held most of the time, as far as that may be looking ahead."""
+    most = np.radians(_SEAT_DEG)
+    with_ahead = np.concatenate([rotations, np.zeros((1, 3))])  # of two frames the one that looks ahead sits so
+    return np.clip(np.median(with_ahead, axis=0), -most, most)
+
+
+def _near_the_seat(rotation: NDArray[np.float64], rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """[3] a rotation no further than it may be from how the head is held most of the time."""
+    ends, sway = np.stack([_seat(rotations), np.median(rotations, axis=0)]), np.radians(_SWAY_DEG)
+    return np.clip(rotation, ends.min(0) - sway, ends.max(0) + sway)
+
+
+def _reason(chosen: Candidate, turned: NDArray[np.float64], counted: NDArray[np.float64], number: int | None) -> str:
+    """``turned`` [3] is the head in the frame, ``counted`` [3] what is taken for it."""
     which = "the frame" if number is None else f"frame {number}"
-    words = f"{which} at {chosen.time:.2f} s: head turned {yaw:+.0f}, nodded {pitch:+.0f}, tilted {roll:+.0f}"
+    words = f"{which} at {chosen.time:.2f} s: head {_in_degrees(turned)} degrees"
+    if np.degrees(np.abs(counted - turned)).max() > _SWAY_DEG:
+        words += f" (counted as {_in_degrees(counted)}, nearer to most of the clip)"
     if not chosen.flaws:
-        return f"{words} degrees; mouth closed, eyes open, face at rest, sharp"
-    return f"{words} degrees; the best there is, but {' and '.join(chosen.flaws)}"
+        return f"{words}; mouth closed, eyes open, face at rest, sharp"
+    return f"{words}; the best there is, but {' and '.join(chosen.flaws)}"
+
+
+def _in_degrees(rotation: NDArray[np.float64]) -> str:
+    pitch, yaw, roll = np.degrees(rotation)
+    return f"turned {yaw:+.0f}, nodded {pitch:+.0f}, tilted {roll:+.0f}"
 
 
 def _spread(ranking: Sequence[Candidate], duration: float, count: int) -> tuple[Candidate, ...]:

@@ -156,9 +156,9 @@ def unplugged() -> SourceLost:
 
 
 def followed() -> World:
-    """A camera and a person who has been there for three seconds: the neutral is known."""
+    """A camera and a person who has been there for seven seconds: the neutral is known."""
     world = World()
-    world.play(3.0)
+    world.play(7.0)
     assert world.phase == "tracking"
     assert world.loop.health.settled
     return world

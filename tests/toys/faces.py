@@ -9,10 +9,15 @@ from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 
 _RNG = np.random.default_rng(3)
 _MESH, _IRISES = _RNG.normal(size=(468, 3)), 0.2 * _RNG.normal(size=(10, 3))
+_MESH[14] = _MESH[13]  # lips together: at rest
 
 
-def face(jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, float] = (100, 100)) -> FaceObservation:
-    """What a tracker would see of a face 80 pixels wide."""
+def face(
+    jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, float] = (100, 100), lips_cm: float = 0.0
+) -> FaceObservation:
+    """What a tracker would see of a face 80 pixels wide; ``lips_cm``: how far its lips are apart."""
+    mesh = _MESH.copy()
+    mesh[14, 1] -= lips_cm
     pose = np.eye(4)
     pose[:3, :3] = matrix_from_wxyz(wxyz_from_rotvec(np.asarray(turn, float)))
     scores = np.zeros(len(SCORES), np.float32)
@@ -26,7 +31,7 @@ def face(jaw: float = 0.0, turn: Sequence[float] = (0, 0, 0), at: tuple[float, f
         mixer=np.zeros(64, np.float32),
         embedding=np.zeros(512, np.float32),
         head_pose=pose,
-        metric_mesh=_MESH,
+        metric_mesh=mesh,
         metric_irises=_IRISES,
         image_size=(640, 480),
         sharpness=0.01,

@@ -164,7 +164,7 @@ def test_a_wish_that_fails_does_not_end_the_show(capture: Capture) -> None:
 
 def test_a_wish_that_changes_a_paused_video_is_seen_at_once(capture: Capture) -> None:
     capture.use(open_input(str(DEMO_CLIP)), "clip")
-    eventually(lambda: capture.transport is not None and capture.health.settled)
+    eventually(lambda: capture.transport is not None and capture.health.neutral != "")
     assert capture.transport is not None
     capture.transport.pause()
     paused_at = capture.transport.position
@@ -179,7 +179,7 @@ def test_a_real_face_drives_a_real_avatar_in_time() -> None:
     cast: Avatar = open_avatar(find_avatar())
     with Capture(cast) as capture:
         capture.use(open_input(str(DEMO_CLIP)), "clip")
-        eventually(lambda: capture.health.settled)
+        eventually(lambda: capture.health.neutral != "")
         shots: list[Shot] = []
 
         def enough() -> bool:

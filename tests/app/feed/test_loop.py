@@ -189,12 +189,68 @@ def test_the_neutral_is_not_silently_the_first_frame() -> None:
     first = world.play(0.3)
     assert SENTENCES["settling"] not in world.loop.health.hints
     world.person.face = face()
-    then = world.play(2.5)
+    then = world.play(6.5)
     assert world.loop.health.settled
     assert world.loop.health.neutral
     later = opened(world)
     assert jaw(later)[-1] == pytest.approx(0.575, abs=0.06)
     assert np.abs(np.diff(jaw([*first, *then]))).max() < 0.25  # nothing jerks while it settles
+
+
+def test_who_never_rests_is_told_what_to_do_until_it_is_done() -> None:
+    world = World()
+    world.person.face = face(lips_cm=1.0)
+    world.play(2.0)
+    assert world.loop.health.hints == (SENTENCES["settling"],)
+    world.play(20.0)
+    assert world.loop.health.settled
+    assert world.loop.health.hints == (SENTENCES["makeshift"],)
+    world.loop.acting.rest(neutral_of(face(), 0, 0.0, "taken"))
+    world.play(2.0)
+    assert world.loop.health.hints == ()
+
+
+def test_who_takes_the_seat_of_somebody_else_is_measured_from_their_own_rest(world: World) -> None:
+    world.person.face = None
+    world.play(1.5)
+    world.person.face = face(turn=(0.15, 0, 0))
+    sat_down = world.play(7.0)
+    assert sat_down[-1].pose.turn == pytest.approx(np.zeros(3), abs=0.01)
+    assert world.loop.health.settled
+
+
+def test_who_takes_over_beside_the_one_who_left_is_measured_from_their_own_rest(world: World) -> None:
+    world.person.face = None
+    world.play(0.6)
+    world.person.face = face(turn=(0.15, 0, 0), at=(400, 100))
+    assert world.play(7.0)[-1].pose.turn == pytest.approx(np.zeros(3), abs=0.01)
+
+
+def test_who_only_bent_down_keeps_their_neutral(world: World) -> None:
+    world.person.face = None
+    world.play(0.6)
+    assert world.phase == "idle"
+    world.person.face = face(turn=(0.15, 0, 0))
+    assert world.play(3.0)[-1].pose.turn == pytest.approx([0.15, 0, 0], abs=0.01)
+    assert world.loop.health.settled
+
+
+def test_who_comes_back_talking_is_measured_from_the_rest_that_was_seen_before(world: World) -> None:
+    world.person.face = None
+    world.play(1.5)
+    world.person.face = face(jaw=0.5, lips_cm=1.0)
+    assert jaw(world.play(3.0))[-1] > 0.4
+    world.play(7.0)
+    assert SENTENCES["settling"] in world.loop.health.hints
+
+
+def test_a_neutral_that_was_taken_outlives_an_empty_chair(world: World) -> None:
+    world.loop.acting.rest(neutral_of(face(), 0, 0.0, "taken"))
+    world.person.face = None
+    world.play(5.0)
+    world.person.face = face(turn=(0.15, 0, 0))
+    assert world.play(7.0)[-1].pose.turn == pytest.approx([0.15, 0, 0], abs=0.01)
+    assert world.loop.health.neutral == "taken"
 
 
 def test_a_face_that_stands_still_is_looked_at_once() -> None:

@@ -12,9 +12,9 @@ from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
 from numpy.typing import NDArray
 
 
-def turned(face: FaceObservation, yaw_deg: float) -> FaceObservation:
+def turned(face: FaceObservation, yaw_deg: float, pitch_deg: float = 0.0) -> FaceObservation:
     pose = face.head_pose.copy()
-    pose[:3, :3] = matrix_from_wxyz(wxyz_from_rotvec(np.radians([0, yaw_deg, 0])))
+    pose[:3, :3] = matrix_from_wxyz(wxyz_from_rotvec(np.radians([pitch_deg, yaw_deg, 0])))
     return replace(face, head_pose=pose)
 
 
@@ -74,6 +74,29 @@ def test_the_reason_names_the_frame_of_the_clip(still_face: FaceObservation) -> 
     assert choose_neutral(faces, times, [0, 35]).reason.startswith("frame 35 at 1.40 s")
     assert choose_neutral(faces, times, [None, None]).reason.startswith("the frame at 1.40 s")
     assert choose_neutral(faces, times, [0, 35]).index == 1
+
+
+def test_who_is_filmed_from_below_is_at_rest_as_they_sit(still_face: FaceObservation) -> None:
+    seen = [turned(still_face, 0, 0)] * 2 + [turned(still_face, 0, -20)] * 8
+    choice = choose_neutral(seen, [i / 5 for i in range(10)])
+    assert choice.index >= 2
+    assert np.degrees(choice.rotation) == pytest.approx([-20, 0, 0], abs=0.1)
+    assert "at rest" in choice.reason
+
+
+def test_a_face_that_rests_only_where_it_is_bowed_is_not_bowed_throughout(still_face: FaceObservation) -> None:
+    seen = [open_mouthed(still_face)] * 8 + [turned(still_face, 0, 20)]
+    choice = choose_neutral(seen, [i / 5 for i in range(9)])
+    assert choice.index == 8
+    assert np.degrees(choice.rotation) == pytest.approx([5, 0, 0], abs=0.5)
+    assert "nodded +20, tilted +0 degrees (counted as turned" in choice.reason
+
+
+def test_who_speaks_to_somebody_beside_the_camera_faces_them_and_not_it(still_face: FaceObservation) -> None:
+    seen = [turned(still_face, 40)] * 8 + [still_face]
+    choice = choose_neutral(seen, [i / 5 for i in range(9)])
+    assert choice.index == 8
+    assert abs(np.degrees(choice.rotation[1])) < 10
 
 
 def test_a_candidate_says_what_is_wrong_with_it(still_face: FaceObservation) -> None:
