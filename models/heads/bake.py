@@ -30,8 +30,8 @@ MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0
 EAR_CENTER, EAR_SIZE = np.array([0.080, -0.010, -0.078]), np.array([0.020, 0.045, 0.035])
 """Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
 MOST_COMPONENTS = {"rotation": 40, "scale": 40, "opacity": 12}
-"""What more would say of turns, sizes, and of the opacities of teeth and veil is less than the splats for which there is
-no room beside it."""
+"""What more would say of turns, sizes, and of the opacities of teeth and veil is less than what the splats show for
+which there would be no room beside it."""
 PIVOT = np.array(NECK_PIVOT, np.float32)
 
 
