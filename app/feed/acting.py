@@ -278,7 +278,7 @@ class Acting:
             self._relock = False
             other = lock_next(self._tracker, rgb, memory.box)
             if other:
-                memory = replace(memory, box=None)
+                memory = replace(memory, box=None, past=())
                 if self.settling.given is None:
                     self.settling = Settling(now=self.settling.now)  # another person rests in another way
         return memory
@@ -334,4 +334,4 @@ def _express_of(avatar: Avatar) -> Express:
 
 def _fresh(memory: Memory) -> Memory:
     """Without the past that eases into what is shown."""
-    return replace(memory, expression=None, turn=None, misread=None)
+    return replace(memory, expression=None, turn=None, misread=None, past=())

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 HOLD_SECS = 0.4
-"""A face missing for less than this is a blink of the tracker: its last expression stays."""
+"""A face missing for less than this is a blink of the tracker: its expression stays (``person.holding``)."""
 TO_REST_SECS = 0.6
 TO_FACE_SECS = 0.25
 
@@ -17,7 +17,7 @@ class Phase(Enum):
     TRACKING = 1
     """Follows the face."""
     HOLD = 2
-    """The face went a moment ago: keeps its last expression."""
+    """The face went a moment ago: keeps its expression."""
     IDLE = 3
     """The face is gone: eases to rest and idles."""
 

@@ -15,6 +15,7 @@ from ...models.driver.smoothing import OneEuro, Smoothed, step
 from ...models.gem import Gem
 from ..files.frames import Frame, is_cut, thumbnail
 from ..performing.presence import HOLD_SECS, Attention, update
+from .holding import Moment, held, kept
 
 Floats = NDArray[np.floating]
 EXPRESSION_FILTER = OneEuro(min_cutoff_hz=2.0, beta=1.0, together=True)
@@ -93,6 +94,8 @@ class Memory:
     """What is taken off it."""
     translation: Floats = field(default_factory=lambda: np.zeros(3, np.float32))
     """[3] metres the head stands from its place: only tracks say so."""
+    past: tuple[Moment, ...] = ()
+    """What was made of the followed face a moment ago, to be held when it goes."""
     clamped: float = 0.0
     faces: int = 0
     counted_at: float = -FACES_EVERY_SECS
@@ -120,19 +123,32 @@ def look(tracker: Tracker, before: Memory, frame: Frame) -> tuple[Memory, Look]:
     cut = before.thumbnail is not None and is_cut(before.thumbnail, view)
     if cut:
         tracker.reset()
-        before = replace(before, box=None, new_scene=True, counted_at=-FACES_EVERY_SECS)
+        before = replace(before, box=None, new_scene=True, counted_at=-FACES_EVERY_SECS, past=())
     face = tracker.track(frame.rgb, locked_box(before, dt))
     if face is not None and before.new_scene:
         before = replace(before, expression=None, turn=None, misread=None, new_scene=False)
     attention = update(before.attention, face is not None, dt)
+    if face is None and before.past:
+        before = _held(before, attention.missing_secs)
     return replace(before, attention=attention, seconds=now, thumbnail=view), Look(face, dt, cut)
+
+
+def _held(memory: Memory, missing_secs: float) -> Memory:
+    """As a face that has gone is held; the filters go on from there when it comes back."""
+    moment = held(memory.past, missing_secs)
+    expression, turn = (Smoothed(value, np.zeros_like(value)) for value in (moment.expression, moment.turn))
+    return replace(memory, expression=expression, turn=turn, shown_turn=moment.shown_turn)
 
 
 def follow(actor: Actor, memory: Memory, face: FaceObservation, dt: float) -> Memory:
     """The face's features, relative to the neutral, through the regressor and the filters."""
     relative = feature_vector(face) - actor.neutral.features
     answer = actor.express(relative, relative_rotation(head_rotation(face), actor.neutral.rotation))
-    return take_on(actor, replace(memory, box=face.box_px), answer, dt)
+    memory = take_on(actor, replace(memory, box=face.box_px), answer, dt)
+    if memory.expression is None or memory.turn is None:
+        return memory
+    now = Moment(memory.seconds or 0.0, memory.expression.value, memory.turn.value, memory.shown_turn)
+    return replace(memory, past=kept(memory.past, now))
 
 
 def take_on(actor: Actor, memory: Memory, answer: Answer, dt: float) -> Memory:

@@ -134,6 +134,26 @@ def test_a_lost_face_holds_then_rests_then_returns() -> None:
     assert [poses[i].phase for i in (9, 12, 30, 55)] == [Phase.TRACKING, Phase.HOLD, Phase.IDLE, Phase.TRACKING]
 
 
+def test_a_face_is_held_as_it_was_before_it_went_behind_a_hand() -> None:
+    calm, awry = face(jaw=0.5), face(jaw=3.0, turn=(0, 0.4, 0))
+    poses = play(ScriptedTracker([calm] * 20 + [awry] * 3 + [None] * 8 + [calm] * 10))
+    jaw, yaw = first_sigmas(poses), np.array([pose.turn[1] for pose in poses])
+    assert jaw[22] > 1
+    assert yaw[22] > 0.2
+    assert jaw[23] == jaw[22]  # one frame without a face may be a blink of the tracker
+    assert jaw[27:31] == pytest.approx([jaw[19]] * 4)
+    assert yaw[27:31] == pytest.approx([0] * 4, abs=1e-6)
+    assert jaw[31:] == pytest.approx([0.5] * 10, abs=0.05)  # and is followed from there
+    assert [poses[i].phase for i in (22, 23, 30, 31)] == [Phase.TRACKING, Phase.HOLD, Phase.HOLD, Phase.TRACKING]
+
+
+def test_a_cut_does_not_hold_what_was_before_the_last_frame() -> None:
+    dark, bright = (np.full((48, 64, 3), luma, np.uint8) for luma in (20, 230))
+    script: list[Seen] = [face()] * 5 + [face(jaw=1.0)] * 3 + [None] * 8
+    jaw = first_sigmas(play(ScriptedTracker(script), [dark] * 8 + [bright] * 8))
+    assert jaw[8:16] == pytest.approx([jaw[7]] * 8)
+
+
 def test_an_idle_avatar_breathes_and_blinks() -> None:
     poses = play(ScriptedTracker([face()] + [None] * (RATE * 9)))
     lids = np.array([pose.coefficients[1] / GEM.sigma[1] for pose in poses])
