@@ -42,10 +42,11 @@ _PHASES: dict[Phase, SourcePhase] = {
     Phase.IDLE: "idle",
 }
 _WORDS: dict[SourcePhase, tuple[str, str]] = {
-    "searching": ("Looking for a face.", "Sit in front of the camera, with light on your face."),
-    "idle": ("Looking for you.", "Come back into the picture."),
+    "searching": ("Looking for a face.", "Sit within a metre of the camera, with light on your face."),
+    "idle": ("Looking for you.", "Come back into the picture, within a metre of the camera."),
 }
-"""To somebody in front of a camera."""
+"""To somebody in front of a camera: in the wide pictures of most a face that is much further away than a metre is not
+found (``detector.LEAST_FACE``), though one that is followed may go further."""
 _NO_FACE = ("No face is seen here.", "Choose what shows one from the front, an eighth of the longer side high or more.")
 _START_SENDER = "Start the sender, and give it this address; for another device, listen at 0.0.0.0:PORT instead."
 _log = logging.getLogger(__name__)

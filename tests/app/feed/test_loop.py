@@ -40,6 +40,7 @@ def test_a_face_that_is_away_longer_lets_the_avatar_rest_and_return_softly(world
     shots = world.play(1.4)
     assert world.phase == "idle"
     assert world.loop.health.message == "Looking for you."
+    assert "within a metre" in world.loop.health.cure  # a face further away would not be found
     assert jaw(shots)[-1] == pytest.approx(0, abs=0.02)
     assert np.abs(np.diff(jaw(shots))).max() < 0.1
     back = opened(world, 0.6)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
+from itertools import islice
 from pathlib import Path
 
 import cv2
@@ -38,6 +39,21 @@ def test_times_are_exact_sound_is_copied_and_the_report_tells(tiny: Path, clip: 
     assert {"neutral", "track", "compose", "draw", "over"} <= set(run["stages_ms"])
     assert told["settings"]["engine"]["used"] == "software"
     assert told["versions"]["gemheads"]
+
+
+def test_a_second_face_is_told_and_what_to_do_if_it_is_the_wrong_one(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    both = tmp_path / "both"
+    both.mkdir()
+    for number, frame in enumerate(islice(open_source(str(clip)).frames(), 4)):
+        pair = np.concatenate([frame.rgb, frame.rgb[:, ::-1]], axis=1)
+        cv2.imwrite(str(both / f"{number}.png"), pair[..., ::-1])
+    assert play(tiny, both, "-o", tmp_path / "out.mp4") == 0
+    told = capsys.readouterr().err
+    assert f"{both}: several faces in 4 of 4 frames, of which one is followed; if that is the wrong one" in told
+    assert play(tiny, clip, "-o", tmp_path / "one.mp4") == 0
+    assert "several faces" not in capsys.readouterr().err
 
 
 def test_the_same_clip_gives_the_same_pictures(tiny: Path, clip: Path, tmp_path: Path) -> None:
