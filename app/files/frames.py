@@ -36,6 +36,9 @@ LUMA = np.array([0.299, 0.587, 0.114], np.float32) / np.float32(255)
 """Of RGB bytes, in [0, 1]."""
 CUT_DIFFERENCE = 0.16
 """Mean absolute change of luma, in [0, 1], between neighbours that no head or camera movement reaches."""
+SAME_SCENE = 0.85
+"""Thumbnails that correlate as much show the same scene in another light: those of two clips have -.4 to .3, a lamp
+that flickers or goes out leaves .95 or more."""
 
 
 def thumbnail(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
@@ -46,5 +49,11 @@ def thumbnail(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
 
 
 def is_cut(before: NDArray[np.float32], after: NDArray[np.float32]) -> bool:
-    """Whether two neighbouring thumbnails show different scenes."""
-    return bool(np.abs(after - before).mean() > CUT_DIFFERENCE)
+    """Whether two neighbouring thumbnails show different scenes, and not one in which the light changed."""
+    return bool(np.abs(after - before).mean() > CUT_DIFFERENCE and _correlation(before, after) < SAME_SCENE)
+
+
+def _correlation(before: NDArray[np.float32], after: NDArray[np.float32]) -> float:
+    """In [-1, 1]; 0 where one of them is of one colour."""
+    before, after = before - before.mean(), after - after.mean()
+    return float((before * after).sum() / np.sqrt((before**2).sum() * (after**2).sum() + 1e-12))

@@ -22,8 +22,8 @@ RECHOOSE_SECS, RECHOOSE_SHARE = 0.25, 0.1
 EASE_SECS = 0.2
 """Time constant of going over from one neutral to another."""
 AT_REST = 0.4
-"""A neutral that costs more is none. In eight seconds of a talking face the best costs .04 to .3 where there is a moment
-of rest, and .9 to 1.8 where there is none."""
+"""A neutral that costs more is none. In eight seconds of a talking face the best costs .04 to .3 where it rests for a
+moment, and .9 to 1.8 where it does not."""
 FRONTAL_DEG = 12.0
 """Who looks further aside, up or down may look at something else than the camera for now: that takes longer to tell."""
 FORMER_SECS = 4.0

@@ -24,6 +24,8 @@ SAME_FACE = 0.2
 talking heads one face overlaps itself by .84 or more from frame to frame, by .44 or more after half a second; two
 people side by side do not overlap at all."""
 _NET_INPUT = np.array(NET_INPUT)
+_LEAST_VARIANCE = 4.0
+"""Of grey levels (0..255): what is flatter is no face, but the noise of a dark picture."""
 
 Box = tuple[float, float, float, float]
 """Left, top, right, bottom in pixels of the image."""
@@ -52,7 +54,8 @@ class FaceObservation:
     image_size: tuple[int, int]
     """Width and height in pixels."""
     sharpness: float
-    """Mean squared Laplacian of the face's crop, in units of grey level (0..1) squared: a blurred face is near 0."""
+    """Mean squared Laplacian of the face's crop over the variance of its grey levels, so that it does not depend on how
+    bright or soft the light is: a blurred face is near 0."""
     faces: int | None
     """How many faces the detector saw; None when it did not have to run."""
 
@@ -203,9 +206,12 @@ def _upright(points: NDArray[np.float64]) -> NDArray[np.float32]:
 
 
 def _sharpness(crop: NDArray[np.uint8]) -> float:
+    """Of what is left when the grain is smoothed away: that of a dark picture is no detail."""
     middle = crop[_CROP // 6 : -_CROP // 6, _CROP // 6 : -_CROP // 6]  # the face without its surroundings
-    laplacian = cv2.Laplacian(cv2.cvtColor(middle, cv2.COLOR_RGB2GRAY), cv2.CV_16S)
-    return float(cv2.norm(laplacian, cv2.NORM_L2SQR)) / laplacian.size / 255**2
+    grey = cv2.cvtColor(middle, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    smooth = cv2.GaussianBlur(cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), (0, 0), 1.0)
+    detail = cv2.norm(cv2.Laplacian(smooth, cv2.CV_32F), cv2.NORM_L2SQR) / smooth.size
+    return float(detail) / max(float(smooth.var()), _LEAST_VARIANCE)
 
 
 def _checked(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -20,8 +20,8 @@ _NEIGHBOURS = 2
 _LIKE_THE_BEST = 0.15
 """Neighbours join when their cost is at most this much higher."""
 _SEAT_DEG = np.array([25.0, 12.0, 20.0])
-"""So far (pitch, yaw, roll) a head may be off the camera's axis and be taken to look ahead: cameras stand below or above
-a face, seldom beside it; who is turned further aside for most of a clip looks at somebody else."""
+"""So far (pitch, yaw, roll) a head may be off the camera's axis and be taken to look ahead: cameras stand below or
+above a face, seldom beside it; who is turned further aside for most of a clip looks at somebody else."""
 _SWAY_DEG = 5.0
 """How far the neutral's head may be from how it sits most of the clip."""
 _EXPRESSIONS = (

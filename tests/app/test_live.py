@@ -198,6 +198,14 @@ def test_other_people_are_counted() -> None:
     assert [pose.faces for pose in poses] == [2, 2, 2, 2, 0]
 
 
+def test_a_light_that_flickers_or_goes_out_is_no_cut() -> None:
+    scene = np.random.default_rng(1).integers(60, 200, (48, 64, 3)).astype(np.uint8)
+    images = [(scene * light).astype(np.uint8) for light in (1.2, 0.6, 1.2, 0.6, 1.0, 0.1, 0.1, 1.0)]
+    tracker = ScriptedTracker([face()] * len(images))
+    assert not any(pose.cut for pose in play(tracker, images))
+    assert tracker.resets == 0
+
+
 def test_a_cut_looks_anew_and_does_not_smear() -> None:
     dark, light = np.full((48, 64, 3), 30, np.uint8), np.full((48, 64, 3), 200, np.uint8)
     tracker = ScriptedTracker([face()] * 5 + [face(jaw=1.0, at=(400, 50))] * 5)

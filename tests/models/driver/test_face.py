@@ -35,6 +35,18 @@ def test_a_face_is_followed_and_the_detector_rests(tracker: FaceTracker, frames:
         assert 0 < top < bottom < frame.shape[0] * 1.05
 
 
+def test_how_sharp_a_face_is_depends_neither_on_the_light_nor_on_grain(tracker: FaceTracker, frames: Frames) -> None:
+    def sharpness(picture: NDArray[np.floating]) -> float:
+        tracker.reset()
+        return seen(tracker.track(np.clip(picture, 0, 255).astype(np.uint8))).sharpness
+
+    bright = frames[0].astype(float)
+    grain = np.random.default_rng(0).normal(0, 10, bright.shape)
+    assert sharpness(0.4 * bright) == pytest.approx(sharpness(bright), rel=0.2)
+    assert sharpness(bright + grain) < 1.5 * sharpness(bright)
+    assert sharpness(cv2.GaussianBlur(bright, (0, 0), bright.shape[1] / 100)) < 0.5 * sharpness(bright)
+
+
 def test_the_same_pictures_give_the_same_numbers(frames: Frames) -> None:
     runs = [
         [seen(tracker.track(frame)).landmarks_px for frame in frames[:3]] for tracker in (FaceTracker(), FaceTracker())
