@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-STEPS = 100
+STEPS = 1000
 CLOSE = 1e-7
 """Relative change at which the search ends."""
 

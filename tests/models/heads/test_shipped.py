@@ -129,7 +129,7 @@ def test_a_glance_aside_is_even_and_so_is_the_white_it_shows(name: str, side: st
     # the eye that looks past the nose shows the white that lay in the dark behind its lids
     iris, outer = (468, RIGHT_EYE_OUTER) if side == "Left" else (473, LEFT_EYE_OUTER)
     ends = found.landmarks_px[[iris, outer], :2]
-    places = ends[0] + np.linspace(0.5, 0.8, 40)[:, None] * np.diff(ends, axis=0)
+    places = ends[0] + np.linspace(0.54, 0.8, 40)[:, None] * np.diff(ends, axis=0)
     white = [aside[int(y) - 2 : int(y) + 3, int(x)].mean() for x, y in places]
     assert np.ptp(white) < 40
 
@@ -186,6 +186,20 @@ def test_a_smile_draws_the_corners_apart_as_people_do(name: str) -> None:
     assert 1.35 < full[0] - rest[0] < 1.95
     assert (full[1:] - rest[1:] > 0.4).all()
     assert (full[1:] - rest[1:] < 0.9).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shade_comes_with_expressions_and_lets_all_through_at_rest(name: str) -> None:
+    gem = avatar(name)
+
+    def opacity(**weights: float) -> np.ndarray:
+        logits = gem.compose(gem.clamped(gem.arkit_coefficients(weights_of(**weights)))).opacity_logits
+        return 1 / (1 + np.exp(-logits))
+
+    rest = opacity()
+    assert ((rest > 0.01) & (rest < 0.04)).sum() < 30  # a veil that is there at rest would be a smear
+    for weights in ({"browInnerUp": 1, "browOuterUp": 1}, {"browDown": 1}, {"jawOpen": 1}):
+        assert ((rest < 0.01) & (opacity(**weights) > 0.06)).sum() > 60, weights
 
 
 @pytest.mark.parametrize("name", NAMES)
