@@ -42,8 +42,8 @@ _PHASES: dict[Phase, SourcePhase] = {
     Phase.IDLE: "idle",
 }
 _WORDS: dict[SourcePhase, tuple[str, str]] = {
-    "searching": ("Looking for a face.", "Sit in front of the camera, with light on your face."),
-    "idle": ("Looking for you.", "Come back into the picture."),
+    "searching": ("Looking for a face.", "Sit within a metre of the camera, with light on your face."),
+    "idle": ("Looking for you.", "Come back into the picture, within a metre of the camera."),
 }
 """To somebody in front of a camera."""
 _NO_FACE = ("No face is seen here.", "Choose what shows one from the front, an eighth of the longer side high or more.")
@@ -236,7 +236,7 @@ class Loop:
             rate=self._rate(now),
             source=link.name if link else "",
             pictured=link is not None and link.pictured,
-            hints=acting.hints.sentences if phase in ("tracking", "hold") else (),
+            hints=acting.hints.sentences if phase in ("tracking", "hold", "searching", "idle") else (),
             rejected=(link.rejected if link else 0) + self._failed + acting.unusable,
             neutral=acting.settling.reason,
             settled=acting.settling.settled,
