@@ -123,14 +123,14 @@ def run_offline(
     stage: Stage,
     finish: Callable[[Image, Frame | None], Image],
     sink: Sink,
-    tell: Callable[[int, Pose], None],
+    tell: Callable[[int, Pose, Frame | None], None],
 ) -> None:
     """Draw a performance into a sink, in order: reading and tracking run ahead in their threads, encoding runs behind.
 
     Args:
         performance: frame (None when only a track is played), what the avatar does, presentation time.
         finish: the last touch on a picture: puts the driver beside it, or nothing.
-        tell: called after each frame with its index.
+        tell: called after each frame with its index, what the avatar did, and the frame.
 
     Whatever interrupts it (Ctrl-C, a full disk), the sink is closed, so that what was written stays playable.
     """
@@ -141,7 +141,7 @@ def run_offline(
             for index, (frame, pose, pts) in enumerate(shots):
                 picture = NOTHING if sink.has(index) else finish(draw(stage, pose), frame)
                 writer.put((index, picture, pts))
-                tell(index, pose)
+                tell(index, pose, frame)
         writer.finish()
         whole = True
     finally:

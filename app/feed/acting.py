@@ -1,7 +1,7 @@
 """What is delivered becomes shots: one driver, one avatar, and the memory between two moments."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -33,7 +33,7 @@ from ..person.following import (
     look,
     take_on,
 )
-from ..person.hints import Hints, Sign, signs_of, update_hints
+from ..person.hints import Hints, Sign, signs_of, signs_without_a_face, update_hints
 from ..person.seeing import lock_next, observe, sketch_of
 from ..person.settling import Settling, anew, go_over, settle
 from ..person.tuning import Tuning, actor_for
@@ -159,7 +159,8 @@ class Acting:
                 memory, observed = replace(memory, unusable=memory.unusable + 1), None
         self._pass(frame.seconds, started)
         self._memory, pose = act(self._actor, memory, seen.face is not None, seen.cut)
-        self._look_for_hints(observed, dt, rate)
+        unseen = signs_without_a_face(frame.luma) if seen.face is None else set[Sign]()
+        self._look_for_hints(observed, dt, rate, unseen)
         stages = {"read": started - delivered, "track": tracked - started, "express": self._clock() - tracked}
         return self._shot(pose, delivered, frame.seconds, sketch_of(seen.face), observed, stages)
 
@@ -285,8 +286,11 @@ class Acting:
                     self.source = replace(self.source, settling=Settling(now=self.source.settling.now))
         return memory
 
-    def _look_for_hints(self, observed: Observed | None, dt: float, rate: float | None) -> None:
-        signs: set[Sign] = set()
+    def _look_for_hints(
+        self, observed: Observed | None, dt: float, rate: float | None, unseen: Iterable[Sign] = ()
+    ) -> None:
+        """``unseen``: what can be said of a picture in which nobody is followed."""
+        signs = set(unseen)
         if observed is not None and self._memory.turn is not None:
             signs = signs_of(observed, self._memory.turn.value)
             if not self.source.settling.at_rest:

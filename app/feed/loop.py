@@ -237,7 +237,7 @@ class Loop:
             rate=self._rate(now),
             source=link.name if link else "",
             pictured=link is not None and link.pictured,
-            hints=acting.source.hints.sentences if phase in ("tracking", "hold") else (),
+            hints=acting.source.hints.sentences if phase in ("tracking", "hold", "searching", "idle") else (),
             rejected=(link.rejected if link else 0) + self._failed + acting.unusable,
             neutral=acting.source.settling.reason,
             settled=acting.source.settling.settled,

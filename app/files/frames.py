@@ -25,6 +25,11 @@ class Frame:
         """Presentation time in seconds."""
         return float(self.pts * self.time_base)
 
+    @property
+    def luma(self) -> float:
+        """Mean luma in [0, 1], of pixels on a grid."""
+        return float(thumbnail(self.rgb).mean())
+
 
 def spread(total: int, count: int) -> list[int]:
     """Up to ``count`` of the numbers below ``total``, from 0 on, as evenly as they go."""

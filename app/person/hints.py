@@ -10,9 +10,10 @@ from ...render.arrays import Floats
 from ..performing.shots import Observed
 from .following import TURNED_DEG
 
-Sign = Literal["dark", "backlit", "blurred", "far", "slow", "two faces", "turned", "settling", "makeshift"]
+Sign = Literal["black", "dark", "backlit", "blurred", "far", "slow", "two faces", "turned", "settling", "makeshift"]
 
 SENTENCES: dict[Sign, str] = {
+    "black": "The picture is black: uncover the camera, and switch on the light.",
     "dark": "It is too dark: put a lamp in front of you.",
     "backlit": "The light comes from behind: turn round, or close the curtain.",
     "blurred": "The picture is blurred: wipe the lens, hold still, or give more light.",
@@ -28,6 +29,8 @@ HARD_TO_READ: frozenset[Sign] = frozenset({"dark", "backlit", "blurred", "far", 
 """These also take the smoothing up a notch."""
 
 DARK = 0.16
+BLACK = 0.03
+"""Luma of a whole picture that somebody covers, or takes without any light."""
 BACKLIT = 0.25
 """The face is darker than the picture by more than this, and darker than BACKLIT_FACE."""
 BACKLIT_FACE = 0.4
@@ -70,6 +73,13 @@ def update_hints(before: Hints, signs: Iterable[Sign], dt: float) -> Hints:
         if sign in lasted and (lasted[sign] >= APPEAR_SECS or (sign in before.shown and lasted[sign] > -STAY_SECS))
     )
     return Hints(shown, {sign: secs for sign, secs in lasted.items() if secs > -STAY_SECS})
+
+
+def signs_without_a_face(luma: float) -> set[Sign]:
+    """Why nobody may be seen in a picture, by its mean luma in [0, 1]."""
+    if luma < BLACK:
+        return {"black"}
+    return {"dark"} if luma < DARK else set()
 
 
 def signs_of(observed: Observed, turn: Floats) -> set[Sign]:

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from ...models.driver.face import FaceObservation, FaceTracker
 from ...models.driver.neutral import NeutralChoice, choose_neutral, neutral_of
 from ...models.wholefile import file_sha256
@@ -12,6 +14,7 @@ from ..files.frames import Frame
 from ..files.pictures import write_png
 from ..files.sources import IMAGE_SUFFIXES, Source, read_image
 from .contact import contact_sheet
+from .hints import DARK
 from .profiles import kept_cameras, load_profile, profile_path
 
 SAMPLES = 32
@@ -127,13 +130,20 @@ def _between(source: Source, tracker: FaceTracker) -> tuple[list[Frame], list[Fa
     number."""
     frames: list[Frame] = []
     faces: list[FaceObservation | None] = []
+    lumas: list[float] = []
     for number, frame in enumerate(source.frames()):
+        lumas.append(frame.luma)
         if (face := tracker.track(frame.rgb)) is not None:
             frames.append(replace(frame, number=number))
             faces.append(face)
             if len(faces) == SAMPLES:
                 break
     if not faces:
+        if lumas and np.median(lumas) < DARK:
+            raise NoFaceError(
+                f"{source.path}: no face in the whole clip, which is dark (luma {np.median(lumas):.2f} of 1, needed"
+                f" {DARK}); film with a lamp in front of the face, or brighten it"
+            )
         raise NoFaceError(
             f"{source.path}: no face in the whole clip; give one where a face is at least as high as an eighth of the"
             " picture's longer side"

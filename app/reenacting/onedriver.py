@@ -114,6 +114,8 @@ class OneDriver:
             return picture if wish.no_badge else badged(picture)
 
         run_offline(performance, stage, finish, sink, self._tell)
+        if source is not None and self._cast.track is None and self.tally.remark:
+            self._bar.say(f"{source.path}: {self.tally.remark}")
         if isinstance(source, VideoFile) and source.left_out:
             self._bar.say(
                 f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
@@ -192,10 +194,10 @@ class OneDriver:
         driver = None if source is None else str(source.path)
         return {**ingredients(driver, self._cast, self._wish), "neutral": self._neutral_sha256}
 
-    def _tell(self, index: int, pose: Pose) -> None:
+    def _tell(self, index: int, pose: Pose, frame: Frame | None) -> None:
         if index == 0:
             self.first_frame_secs = time.perf_counter() - self._started
-        self.tally.add(pose)
+        self.tally.add(pose) if frame is None else self.tally.add(pose, frame.luma)
         self._bar.advance()
 
 

@@ -11,8 +11,12 @@ from ...models.wholefile import write_whole
 from ..errors import cannot_write
 from ..performing.performance import Pose
 from ..performing.presence import Phase
+from ..person.hints import DARK
 
 _PACKAGES = ("gemheads", "numpy", "numba", "moderngl", "onnxruntime", "opencv-contrib-python-headless", "av")
+
+WORTH_A_WORD = 0.1
+"""Of the frames: what is seen in fewer is not told."""
 
 
 @dataclass
@@ -23,22 +27,47 @@ class Tally:
     without_face: int = 0
     losses: int = 0
     """How often a followed face was lost."""
+    dark: int = 0
+    """Of the frames without a face, those that may show none because they are dark."""
     several_faces: int = 0
     cuts: int = 0
     clamped: float = 0.0
     """Sum over followed frames of the share of clamped coefficients."""
     _followed_before: bool = field(default=False, repr=False)
 
-    def add(self, pose: Pose) -> None:
-        """Count one frame."""
+    def add(self, pose: Pose, luma: float = 1.0) -> None:
+        """Count one frame, and how bright it is, in [0, 1]."""
         followed = pose.phase is Phase.TRACKING
         self.frames += 1
         self.without_face += not followed
+        self.dark += not followed and luma < DARK
         self.losses += self._followed_before and not followed
         self.several_faces += pose.faces > 1
         self.cuts += pose.cut
         self.clamped += pose.clamped
         self._followed_before = followed
+
+    @property
+    def remark(self) -> str:
+        """What made the face hard to follow for much of the clip, and what to do; empty where nothing did."""
+        if not self.frames:
+            return ""
+        missing, several = self.without_face / self.frames, self.several_faces / self.frames
+        remarks: list[str] = []
+        if missing >= WORTH_A_WORD:
+            cure = "show the face all the time, from the front and nearer"
+            if 2 * self.dark > self.without_face:
+                cure = "put a lamp in front of it"
+            elif self.dark:
+                cure += ", with a lamp in front of it"
+            where = f" ({self.dark / self.frames:.0%} are dark)" if self.dark else ""
+            remarks.append(f"no face in {missing:.0%} of the frames{where}, where the avatar rests: {cure}")
+        if several >= WORTH_A_WORD:
+            remarks.append(
+                f"several faces in {several:.0%} of the frames, of which one is followed: if it is the wrong one, crop"
+                " the driver to the other"
+            )
+        return "; ".join(remarks)
 
     def as_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -46,6 +75,7 @@ class Tally:
         return {
             "frames": self.frames,
             "frames_without_face": self.without_face,
+            "dark_frames_without_face": self.dark,
             "losses": self.losses,
             "frames_with_several_faces": self.several_faces,
             "cuts": self.cuts,

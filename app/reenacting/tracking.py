@@ -47,10 +47,10 @@ def run_tracking(
         bar.say(f"neutral: {said(neutral, rule)}")
         bar.begin(out.name, source.frame_count)
         try:
-            for _, pose, pts in perform(actor, ahead(source.frames()), Stopwatch()):
+            for frame, pose, pts in perform(actor, ahead(source.frames()), Stopwatch()):
                 poses.append(pose)
                 times.append(pts)
-                tally.add(pose)
+                tally.add(pose, frame.luma)
                 bar.advance()
         except KeyboardInterrupt:
             code = ExitCode.INTERRUPTED
@@ -72,4 +72,6 @@ def run_tracking(
         save_track(track, kept)
         stopped = "stopped after " if code else ""
         bar.say(f"{kept}: {stopped}{tally.frames} frames, {tally.without_face} of them without a face")
+        if tally.remark:
+            bar.say(f"{driver}: {tally.remark}")
     return code

@@ -11,7 +11,7 @@ from gemheads.app.inputs.source import PoseFrame, WeightsFrame
 from gemheads.app.inputs.transport import Playhead
 from gemheads.app.performing.performance import Pose
 from gemheads.app.performing.presence import Phase
-from gemheads.app.person.hints import SENTENCES
+from gemheads.app.person.hints import SENTENCES, Sign
 from gemheads.app.person.tuning import Tuning
 from gemheads.models.driver.neutral import neutral_of
 from gemheads.models.driver.smoothing import Smoothed
@@ -181,6 +181,14 @@ def test_what_makes_a_face_hard_to_read_is_told_and_smoothed(world: World, sign:
     world.play(2.0)
     assert world.loop.health.hints == ()
     assert world.loop.acting._actor.expression_filter.min_cutoff_hz == cutoff
+
+
+@pytest.mark.parametrize(("sign", "luma"), [("black", 2), ("dark", 25), (None, 130)])
+def test_where_nobody_is_seen_the_light_is_told(world: World, sign: Sign | None, luma: int) -> None:
+    world.person.face = None
+    world.play(2.0, lambda: world.frame(picture(world.count, luma=luma)))
+    assert world.phase == "idle"
+    assert world.loop.health.hints == (() if sign is None else (SENTENCES[sign],))
 
 
 def test_the_neutral_is_not_silently_the_first_frame() -> None:
