@@ -95,7 +95,8 @@ class Loop:
         self._arrivals.clear()
         self._frames = self._failed = 0
         self._dropped_before = self.shots.dropped
-        self._trouble, self._open_before = ("", ""), False
+        self._trouble, self._told_until, self._open_before = ("", ""), float("-inf"), False
+        self._delivered_at, self._pause_secs = self._clock(), 0.0  # nobody waits for it yet
         self.link = Link(opener, name, self._clock, self._pause, self._spawn) if opener else None
         self.serial = serial
 

@@ -381,6 +381,11 @@ def test_weights_move_any_avatar_and_silence_is_told() -> None:
     world.silence(2.0)
     assert world.phase == "searching"
     assert "Nothing comes in" in world.loop.health.message
+    world.loop.use(world.open, world.source.name)  # anew, and nothing is late yet
+    world.silence(0.5)
+    assert "Nothing comes in" not in world.loop.health.message
+    world.silence(2.0)
+    assert "Nothing comes in" in world.loop.health.message
     weights = np.zeros(52, np.float32)
     weights[arkit.NAMES.index("jawOpen")] = 0.8
     turn = np.float32([0, 0.2, 0])
