@@ -83,6 +83,6 @@ class Darkening:
 
 
 def skin_of_face(head: Head) -> Indices:
-    """[M] the vertices of the skin from the brows' height down to the chin, and as far back as the ears."""
+    """[M] the vertices of the skin above the throat, and as far back as the ears."""
     there = (head.canvas[:, 1] > -0.13) & (head.canvas[:, 2] > -0.09)
     return np.flatnonzero((part_of_vertex(head) == SKIN) & there)
