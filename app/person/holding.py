@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.floating]
+from ...render.arrays import Floats
 
 BEFORE_SECS = 0.2
 """So long before it went a face is held as it was. In five clips, each with a rising hand and with a face that leaves,

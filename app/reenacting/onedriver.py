@@ -121,11 +121,6 @@ class OneDriver:
                 f"{source.path}: {source.left_out} pictures were left out whose times do not rise; if that is much"
                 " of it, convert it to mp4"
             )
-        if source and self.tally.several_faces:
-            self._bar.say(
-                f"{source.path}: several faces in {self.tally.several_faces} of {self.tally.frames} frames, of which"
-                " one is followed; if that is the wrong one, or a picture on the wall, cut the others out of the video"
-            )
 
     def _performance(self, source: Source | None) -> Iterable[_Shot]:
         if self._cast.track is not None:

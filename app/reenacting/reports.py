@@ -64,8 +64,8 @@ class Tally:
             remarks.append(f"no face in {missing:.0%} of the frames{where}, where the avatar rests: {cure}")
         if several >= WORTH_A_WORD:
             remarks.append(
-                f"several faces in {several:.0%} of the frames, of which one is followed: if it is the wrong one, crop"
-                " the driver to the other"
+                f"several faces in {several:.0%} of the frames, of which one is followed: if it is the wrong one, or a"
+                " picture on the wall, cut the others out of the video"
             )
         return "; ".join(remarks)
 

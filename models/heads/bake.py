@@ -16,6 +16,7 @@ from .atlas import lay_out
 from .compose import compose
 from .head import Head, build_head
 from .ingredients import Ingredients
+from .lips import MOUTH_CENTER
 from .people import Person
 from .performance import perform
 from .refine import refined, views_of
@@ -26,9 +27,10 @@ from .teeth import opacity_logit
 from .veil import Veil
 
 UV_SIZE = 160
-MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.034, 0.020, 0.050])
+MOUTH_SIZE = np.array([0.034, 0.020, 0.050])
+"""Half axes of an ellipsoid around lips and mouth, metres on the canvas."""
 EAR_CENTER, EAR_SIZE = np.array([0.080, -0.010, -0.078]), np.array([0.020, 0.045, 0.035])
-"""Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas."""
+"""Middle and half axes of one around an ear."""
 MOST_COMPONENTS = {"rotation": 40, "scale": 40, "opacity": 12}
 """What more would say of turns, sizes, and of the opacities of teeth and veil is less than what the splats show for
 which there would be no room beside it."""

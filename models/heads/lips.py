@@ -12,6 +12,8 @@ from .mesh import QuadMesh, triangulate, vertex_normals
 
 CORNER, MIDDLE, LOWER = 7184, 474, 493
 """Vertices of the base mesh: the left corner of the mouth, and the middles of the lips' edges."""
+MOUTH_CENTER = np.array([0, -0.068, 0.0])
+"""Metres on the canvas."""
 JAW_DROP = 0.34
 """Decimetres that jawOpen lowers the lower lip; the share of it says how far a point belongs to that lip."""
 

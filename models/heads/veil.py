@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...render.arrays import Floats, Floats32, Indices
 from .darkening import Darkening, skin_of_face
 from .expressions import weights_of
+from .lips import MOUTH_CENTER
 from .maps import encoded, linear, sample_map
 from .performance import perform
 from .sampling import scatter
@@ -51,9 +52,9 @@ LOOKED_FOR = (
     weights_of(mouthDimple=1, mouthPress=1),
 )
 """Expressions that show where skin darkens."""
-MOUTH_CENTER, MOUTH_SIZE = np.array([0, -0.068, 0.0]), np.array([0.030, 0.019, 0.050])
-"""Middle and half axes of an ellipsoid around lips and mouth, metres on the canvas: none there, for the tracker takes
-lips with shaded edges for pursed ones."""
+NEAR_MOUTH, NEAR_MOUTH_EDGE = np.array([0.030, 0.019, 0.050]), 0.25
+"""Half axes of an ellipsoid around lips and mouth, metres on the canvas: none there, for the tracker takes lips with
+shaded edges for pursed ones; and over what share of it more the veil begins."""
 BESIDE_BROWS = 1e-3 * np.array(
     [
         (0, 0, 0),
@@ -131,7 +132,7 @@ def _spread(shader: Shader, seen: NDArray[np.bool_], darkening: Darkening, rng: 
     uv, canvas, _ = points_of(head, face, middle)
     bare = 1 - sum(sample_map(one, uv)[:, 0] for one in (maps.lips, maps.mouth, maps.lids))
     bare = np.minimum(bare, 1 - 2 * np.max([shader.brows.at(canvas + offset) for offset in BESIDE_BROWS], axis=0))
-    bare = np.minimum(bare, np.linalg.norm((canvas - MOUTH_CENTER) / MOUTH_SIZE, axis=1) * 4 - 4)
+    bare = np.minimum(bare, (np.linalg.norm((canvas - MOUTH_CENTER) / NEAR_MOUTH, axis=1) - 1) / NEAR_MOUTH_EDGE)
     bare = np.minimum(bare, 1 - 2 * shader.scalp[head.triangles[face]].max(1))
     corners = np.einsum("nkc,nci->nki", piece, head.vertices[head.triangles[face]].astype(float))
     riders = []
