@@ -8,8 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ...render.arrays import Floats64, Image
 from .detector import Detection, FaceDetector, overlap
 from .geometry import VERTICES, metric_pose, read_geometry
+from .mirroring import mirrored_landmarks, mirrored_scores, opposite_landmarks
 from .networks import FOLDER, GEOMETRY_FILE, LANDMARKS_FILE, SCORES_FILE, Network, read_checked
 from .points import NET_INPUT
 from .region import Region, eye_line_tilt, region_around
@@ -36,15 +38,16 @@ class FaceObservation:
     """What one image shows of one face."""
 
     landmarks_px: NDArray[np.float64]
-    """[478, 3] x, y in pixels of the image (pixel centres at half integers); z in pixels, grows away."""
+    """[478, 3] x, y in pixels of the image (pixel centres at half integers); z in pixels, grows away. Landmarks and
+    scores are means over the picture and its mirror image."""
     presence: float
     """How sure the landmark network is that it looks at a face, in (0.5, 1]."""
     scores: NDArray[np.float32]
     """[52] in the order of ``points.SCORES``, each in [0, 1]."""
     mixer: NDArray[np.float32]
-    """[64] what the score network knows before it gives scores."""
+    """[64] what the score network knows before it gives scores, of the picture as it is."""
     embedding: NDArray[np.float32]
-    """[512] what the landmark network knows before it gives landmarks."""
+    """[512] what the landmark network knows before it gives landmarks, of the picture as it is."""
     head_pose: NDArray[np.float64]
     """[4, 4] canonical face to camera, scale included: cm, y up, camera at the origin looking along -z."""
     metric_mesh: NDArray[np.float64]
@@ -76,6 +79,7 @@ class FaceTracker:
         self._landmarks = Network(folder, LANDMARKS_FILE, ("landmarks", "presence_logit", "embedding"))
         self._scores = Network(folder, SCORES_FILE, ("blendshapes", "mixer_embedding"))
         self._geometry = read_geometry(read_checked(folder, GEOMETRY_FILE))
+        self._opposite = opposite_landmarks(self._geometry)
         self._region: Region | None = None
         self._last_box: Box | None = None
         self._size: tuple[int, int] | None = None
@@ -152,24 +156,27 @@ class FaceTracker:
         if not region.size >= _LEAST_REGION_PX:
             return None
         crop = region.crop(rgb, _CROP)
-        raw, presence_logit, embedding = self._landmarks((crop.astype(np.float32) * np.float32(1 / 255))[None])
-        presence = 1 / (1 + exp(-min(max(presence_logit.item(), -80.0), 80.0)))
-        points = raw.reshape(-1, 3).astype(np.float64)
-        if presence < _LEAST_PRESENCE or not np.isfinite(points).all():
+        plain, presence, embedding = self._landmarks_in(crop)
+        if presence < _LEAST_PRESENCE:
+            return None
+        in_mirror, _, _ = self._landmarks_in(np.ascontiguousarray(crop[:, ::-1]))
+        points = (plain + mirrored_landmarks(in_mirror, self._opposite, _CROP)) / 2
+        if not np.isfinite(points).all():
             return None
         to_image = region.to_image(_CROP)
         landmarks = np.empty_like(points)
         landmarks[:, :2] = points[:, :2] @ to_image[:, :2].T + to_image[:, 2]
         landmarks[:, 2] = points[:, 2] * (region.size / _CROP)
-        scores, mixer = self._scores(_upright(points)[None])
+        scores, mixer = self._scores_of(points)
+        scores_in_mirror, _ = self._scores_of(mirrored_landmarks(points, self._opposite, _CROP))
         height, width = rgb.shape[:2]
         pose, metric = metric_pose(landmarks, width, height, self._geometry)
         return FaceObservation(
             landmarks_px=landmarks,
             presence=presence,
-            scores=scores.reshape(-1),
-            mixer=mixer.reshape(-1),
-            embedding=embedding.reshape(-1),
+            scores=(scores + mirrored_scores(scores_in_mirror)) / 2,
+            mixer=mixer,
+            embedding=embedding,
             head_pose=pose,
             metric_mesh=metric[:VERTICES],
             metric_irises=metric[VERTICES:],
@@ -177,6 +184,17 @@ class FaceTracker:
             sharpness=_sharpness(crop),
             faces=faces,
         )
+
+    def _landmarks_in(self, crop: Image) -> tuple[Floats64, float, NDArray[np.float32]]:
+        """Of a crop: landmarks [478, 3] in its pixels, presence, embedding [512]."""
+        points, logit, embedding = self._landmarks((crop.astype(np.float32) * np.float32(1 / 255))[None])
+        presence = 1 / (1 + exp(-min(max(logit.item(), -80.0), 80.0)))
+        return points.reshape(-1, 3).astype(np.float64), presence, embedding.reshape(-1)
+
+    def _scores_of(self, points: Floats64) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Of landmarks [478, 3] in pixels of the crop: scores [52], mixer [64]."""
+        scores, mixer = self._scores(_upright(points)[None])
+        return scores.reshape(-1), mixer.reshape(-1)
 
 
 def looked(tracker: FaceTracker, rgb: NDArray[np.uint8], looks: int) -> FaceObservation | None:
