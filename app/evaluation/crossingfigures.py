@@ -42,7 +42,6 @@ class Row:
 def crossing_json(
     rows: Sequence[Row],
     clips: Sequence["Tracked"],
-    doubles: Mapping[str, NDArray[np.floating]],
     size: int,
     every: int,
     seconds: float,
@@ -53,7 +52,6 @@ def crossing_json(
     Args:
         rows: what was found.
         clips: the drivers.
-        doubles: driver -> correlations [channels] with his mirror image.
         size: side of the avatars' pictures in pixels.
         every: each N-th frame was taken ...
         seconds: ... of at most so many of each clip; what was taken is beside each driver.
@@ -69,10 +67,6 @@ def crossing_json(
         "pose_leak": {"goal": GOAL, "yaw_deg": YAW_DEG, "pitch_deg": PITCH_DEG},
         "drivers": [_driver_json(tracked) for tracked in clips],
         "rows": [_row_json(row) for row in rows],
-        "mirror_image": {
-            "median": _medians(np.stack(list(doubles.values()))[:, : len(JUDGED)]),
-            "drivers": {name: dict(zip(JUDGED, map(_plain, values), strict=False)) for name, values in doubles.items()},
-        },
         "published": {name: dict(values) for name, values in CROSSING.items()},
         "published_by": CROSSING_BY,
         "notes": list(notes),

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...models.crossing.clip import Clip, ShortClip, UnseenDriver, track_clip
-from ...models.crossing.double import Double, mirrored
 from ...models.crossing.kept import Kept
 from ...models.crossing.still import CONDITIONS, Still, hold_still
 from ...models.driver.features import FEATURE_VERSION
@@ -60,10 +59,6 @@ class Tracked:
     def name(self) -> str:
         """The driver's."""
         return self.driver.name
-
-    def double(self, kept: Kept) -> Double:
-        """His mirror image. Raises InputError, OSError."""
-        return kept.get("double", self.made_of, Double, lambda: mirrored(self.clip, self.driver.frames()))
 
     def still(self, kept: Kept) -> Still | None:
         """At his neutral under a webcam's noise; None where the tracker loses him there. Raises InputError, OSError."""

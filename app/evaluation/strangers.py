@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.crossing.compare import Compared, compare, relative_embeddings
-from ...models.crossing.double import double_correlations
 from ...models.crossing.embedding import agreement
 from ...models.crossing.kept import Kept
 from ...models.crossing.loop import Echo, echo
@@ -75,10 +74,6 @@ def cross(
     for driver in drivers:
         bar.begin(f"{driver.name}: tracking", None)
         clips.append(driver.tracked(wish.every, wish.seconds, kept))
-    doubles = {}
-    for tracked in clips:
-        bar.begin(f"{tracked.name}: in a mirror", None)
-        doubles[tracked.name] = double_correlations(tracked.clip, tracked.double(kept))
     pictures = CrossingPictures({tracked.name: tracked.clip for tracked in clips})
     rows: list[Row] = []
     notes = [_full(tracked) for tracked in clips if tracked.clip.full]
@@ -95,7 +90,7 @@ def cross(
             notes.append(f"{entrant.column.name} is left out: {error}.")
     if not rows:
         raise InputError(" ".join(notes))
-    figures = crossing_json(rows, clips, doubles, SIZE, wish.every, wish.seconds, notes)
+    figures = crossing_json(rows, clips, SIZE, wish.every, wish.seconds, notes)
     return Crossing(figures, pictures, crossing_said(figures))
 
 

@@ -4,10 +4,9 @@
 
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
-moves. The last column is the driver's own mirror image in the avatar's place, which does exactly what the driver does.
-Below them, second opinions by landmark distances that do not go through the scores; at the end the medians again, to
-the third digit, and one mean. `gemheads evaluate` with --drivers says more, of several avatars, on a page; this one
-also tries regressors that are in no avatar yet.
+moves. Below them, second opinions by landmark distances that do not go through the scores; at the end the medians
+again, to the third digit, and one mean. `gemheads evaluate` with --drivers says more, of several avatars, on a page;
+this one also tries regressors that are in no avatar yet.
 """
 
 import argparse
@@ -24,7 +23,6 @@ from gemheads.app.evaluation.drivers import opened_drivers
 from gemheads.models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from gemheads.models.crossing.clip import Clip
 from gemheads.models.crossing.compare import Likeness, compare
-from gemheads.models.crossing.double import double_correlations
 from gemheads.models.crossing.kept import Kept
 from gemheads.models.crossing.loop import Echo, echo
 from gemheads.models.crossing.mirror import Mirror
@@ -66,9 +64,7 @@ def main() -> int:
     gem = load_gem(options.avatar)
     drivers = opened_drivers([str(path) for path in clips])
     kept = Kept(options.cache)
-    tracked = [driver.tracked(options.every, options.seconds, kept) for driver in drivers]
-    clips = {one.name: one.clip for one in tracked}
-    doubles = {one.name: double_correlations(one.clip, one.double(kept)) for one in tracked}
+    clips = {driver.name: driver.tracked(options.every, options.seconds, kept).clip for driver in drivers}
     mirror = Mirror(gem, options.size)
     runs: dict[str, tuple[Express, int | None]] = {}
     if gem.arkit_weights is not None:
@@ -90,9 +86,9 @@ def main() -> int:
             figures.setdefault(clip_name, {})[name] = compared.likeness, compared.unseen
             if name == next((n for n in runs if n != "baseline"), "baseline"):
                 strips += _strip(clip, shown)
-    print(report(gem.name, figures, doubles, list(runs)))
+    print(report(gem.name, figures, list(runs)))
     if options.json:
-        options.json.write_text(json.dumps(_document(gem, clips, figures, doubles), indent=1) + "\n")
+        options.json.write_text(json.dumps(_document(gem, clips, figures), indent=1) + "\n")
     if options.strip:
         cv2.imwrite(str(options.strip), cv2.cvtColor(np.concatenate(strips), cv2.COLOR_RGB2BGR))
     return 0
@@ -104,9 +100,8 @@ def _strip(clip: Clip, shown: Echo) -> list[NDArray[np.uint8]]:
     return [np.concatenate([album[int(i)] for i in places], 1) for album in (clip.pictures, shown.pictures)]
 
 
-def report(avatar: str, figures: Figures, doubles: dict[str, NDArray[np.float64]], runs: list[str]) -> str:
-    """The markdown table: one row a channel; in each cell one figure per run, in the order of ``runs``. ``doubles``
-    are the correlations [channels] of each clip with its mirror image."""
+def report(avatar: str, figures: Figures, runs: list[str]) -> str:
+    """The markdown table: one row a channel; in each cell one figure per run, in the order of ``runs``."""
     names = list(figures)
 
     def column(kind: str, run: str) -> NDArray[np.float64]:
@@ -117,26 +112,23 @@ def report(avatar: str, figures: Figures, doubles: dict[str, NDArray[np.float64]
     lines = [
         f"Avatar {avatar}. In each cell: {'; '.join(runs)}. Amplitude and jitter are avatar over driver.",
         "",
-        "| channel | goal | " + " | ".join([*names, "median", "amplitude", "jitter", "mirror image"]) + " |",
-        "|---|---|" + "---|" * (len(names) + 4),
+        "| channel | goal | " + " | ".join([*names, "median", "amplitude", "jitter"]) + " |",
+        "|---|---|" + "---|" * (len(names) + 3),
     ]
     for i, channel in enumerate(CHANNELS):
         cells = [" ".join(_figure(correlation[run][c, i]) for run in runs) for c in range(len(names))]
         for kind in ("correlation", "amplitude", "unrest"):
             kept = [column(kind, run)[moving[:, i], i] for run in runs]
             cells.append(" ".join(_figure(float(np.median(k))) if len(k) else "-" for k in kept))
-        seen = [double[i] for double in doubles.values() if not np.isnan(double[i])]
-        cells.append(_figure(float(np.median(seen))) if seen else "-")
         goal = "" if channel.goal is None else f"{channel.goal:g}"
         name = channel.name if channel in SCORE_CHANNELS else f"*{channel.name}*"
         lines.append(f"| {name} | {goal} | " + " | ".join(cells) + " |")
-    everybody = correlation | {"mirror image": np.array(list(doubles.values()))}
-    medians = [np.nanmedian(of_clips[:, moving.any(0)], 0) for of_clips in everybody.values()]
+    medians = [np.nanmedian(of_clips[:, moving.any(0)], 0) for of_clips in correlation.values()]
     names = [channel.name for channel, moves in zip(CHANNELS, moving.any(0), strict=True) if moves]
     told = (f"{name} {' '.join(f'{one:.3f}' for one in each)}" for name, *each in zip(names, *medians, strict=True))
-    means = (f"{run} {_overall(of_clips):.3f}" for run, of_clips in everybody.items())
+    means = (f"{run} {_overall(of_clips):.3f}" for run, of_clips in correlation.items())
     for line in (
-        f"Medians ({'; '.join(everybody)}): {'; '.join(told)}.",
+        f"Medians ({'; '.join(runs)}): {'; '.join(told)}.",
         f"Mean of {len(OVERALL)} channels (not yaw and roll) of the means over all clips: {'; '.join(means)}.",
     ):
         lines += ["", textwrap.fill(line, WIDTH)]
@@ -153,9 +145,7 @@ def _figure(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.2f}".replace("0.", ".", 1) if abs(value) < 1 else f"{value:.2f}"
 
 
-def _document(
-    gem: Gem, clips: dict[str, Clip], figures: Figures, doubles: dict[str, NDArray[np.float64]]
-) -> dict[str, object]:
+def _document(gem: Gem, clips: dict[str, Clip], figures: Figures) -> dict[str, object]:
     """All figures as plain JSON, NaN as null."""
     told = {
         clip: {
@@ -170,8 +160,6 @@ def _document(
         }
         for clip, runs in figures.items()
     }
-    for clip, double in doubles.items():
-        told[clip]["mirror image"] = {"correlation": double.tolist()}
     tidy = json.loads(json.dumps(told), parse_constant=lambda _: None)
     about = {
         name: {"frames": len(clip.readings), "losses": clip.lost, "neutral": clip.reason}

@@ -140,14 +140,12 @@ def _crossing(found: Mapping[str, Any]) -> Iterator[str]:
         f" {found['size']}x{found['size']}. *Paper: {found['published_by']}.*{notes}\n\n{table(heads, rows)}"
     )
     rows = [
-        [channel["name"], f"{channel['goal']:g}"]
-        + [_number(of["median"][channel["name"]], 3) for of in (*found["rows"], found["mirror_image"])]
+        [channel["name"], f"{channel['goal']:g}"] + [_number(of["median"][channel["name"]], 3) for of in found["rows"]]
         for channel in found["channels"]
         if not channel["second_opinion"]
     ]
     about = "correlation over time of avatar and driver, median over the drivers who move the channel."
-    about += " Last column: the driver's own pictures in a mirror, which do exactly what he does."
-    yield f"**The closed loop**: {about}\n\n{table(['', 'goal', *who, 'the mirror image'], rows)}"
+    yield f"**The closed loop**: {about}\n\n{table(['', 'goal', *who], rows)}"
     yield _robustness(found, who)
 
 

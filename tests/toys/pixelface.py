@@ -25,12 +25,8 @@ def painted(jaw: float = 0.0, smile: float = 0.0, yaw: float = 0.0, blink: float
 class PixelTracker:
     """Reads what ``painted`` paints, and something off any other picture; a black picture shows nobody."""
 
-    def __init__(self, networks: object = None) -> None:
-        self.looks = 0
-
     def track(self, rgb: NDArray[np.uint8], locked: Box | None = None) -> FaceObservation | None:
         """A face as large as the picture."""
-        self.looks += 1
         if rgb.max() < 10:
             return None
         height, width = rgb.shape[:2]

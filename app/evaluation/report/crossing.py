@@ -15,9 +15,6 @@ DRIVER_COLOR = COLORS[-1]
 """Of the driver's curves; avatars have the others."""
 
 
-DOUBLE = "the driver's mirror image"
-
-
 def crossing_section(figures: Figures, pictures: CrossingPictures) -> str:
     """HTML of ``figures``, which report.json holds as "crossing", and the pictures."""
     parts = ["<h2>Driving people never seen</h2>", _lead(figures)]
@@ -52,14 +49,8 @@ def _correlations(figures: Figures) -> str:
             value, met = told["median"][channel["name"]], told["met"][channel["name"]]
             cells.append(_marked(_number(value, 3), met))
         rows.append(row(cells))
-    double = [_number(figures["mirror_image"]["median"][channel["name"]], 3) for channel in channels]
-    rows.append(row([f"<em>{DOUBLE}</em>", *(f"<em>{cell}</em>" for cell in double)]))
     heads = ["", *(channel["name"] for channel in channels)]
-    text = (
-        "Correlation over time of avatar and driver, median over the drivers who move the channel at all. Last row: the"
-        " driver's own pictures in a mirror instead of an avatar's. They do exactly what he does: what they lack of"
-        " 1 is the tracker's."
-    )
+    text = "Correlation over time of avatar and driver, median over the drivers who move the channel at all."
     legend = "<span class='met'>reached</span>, <span class='missed'>missed</span>."
     told = f"<p class='small'>{text} {legend}</p><div class='tight'>{table(heads, rows)}</div>"
     return f"<h3>Does it do what the driver does?</h3>{told}"

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from gemheads.models.crossing import clip as clips
-from gemheads.models.crossing import double, still
+from gemheads.models.crossing import still
 from gemheads.models.crossing.clip import Clip, track_clip
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.answer import Answer, Express
@@ -44,7 +44,7 @@ def mirror(tiny_gem: Gem) -> PaintedMirror:
 @pytest.fixture(autouse=True)
 def painted_faces(monkeypatch: pytest.MonkeyPatch) -> None:
     """Everybody's tracker reads paint."""
-    for module in (clips, double, still):
+    for module in (clips, still):
         monkeypatch.setattr(module, "FaceTracker", PixelTracker)
 
 
