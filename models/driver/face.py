@@ -174,7 +174,7 @@ class FaceTracker:
         return FaceObservation(
             landmarks_px=landmarks,
             presence=presence,
-            scores=(scores + mirrored_scores(scores_in_mirror)) / 2,
+            scores=((scores + mirrored_scores(scores_in_mirror)) / 2).astype(np.float32, copy=False),
             mixer=mixer,
             embedding=embedding,
             head_pose=pose,
