@@ -200,11 +200,13 @@ JONAH = Person(
     lip_gloss=0.2,
     even_eyes=1.0,
     stubble=0.35,
-    # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late
+    # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows as low
+    # as they are without these read as lowered, which raised ones took back
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
+    | {"browInnerUp": 0.1, "browOuterUpLeft": 0.32, "browOuterUpRight": 0.32}
     | {"mouthRollUpper": 0.2, "mouthRollLower": 0.15},
-    gain=_paired({"browDown": 1.25, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
+    gain=_paired({"browDown": 1.35, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
 
