@@ -200,8 +200,8 @@ JONAH = Person(
     lip_gloss=0.2,
     even_eyes=1.0,
     stubble=0.35,
-    # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows as low
-    # as they are without these read as lowered, which raised ones took back
+    # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows
+    # as low as they are without these read as lowered, which raised ones took back
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
     | {"browInnerUp": 0.1, "browOuterUpLeft": 0.32, "browOuterUpRight": 0.32}
