@@ -1,8 +1,8 @@
 """A face is read as its mirror image is: the networks see both, and the mean of the two counts.
 
-To the networks the two sides of a face are different things: what they say of a picture and of its mirror image differs
-by more than what they say of one frame of a still face and of the next. Who looks the same in a mirror is read the same
-so, and much of what is not the face, but where the network happened to look, is gone from the mean.
+To the networks the two sides of a face are different things: they do not say the same of a picture and of its mirror
+image. Who looks the same in a mirror is read the same so, and much of what is not the face, but where the networks
+happened to look, is gone from the mean.
 """
 
 import numpy as np
