@@ -24,6 +24,12 @@ _SEAT_DEG = np.array([25.0, 12.0, 20.0])
 above a face, seldom beside it; who is turned further aside for most of a clip looks at somebody else."""
 _SWAY_DEG = 5.0
 """How far the neutral's head may be from how it sits most of the clip."""
+_CLOSED = 0.1
+"""A mouth is closed in this part of the frames: on everybody a closed one reads as next to nothing, and no avatar can
+close further. One that stood a little open in the frame at rest would be followed only beyond that."""
+_FACING = 1.0
+"""Frames whose head is turned by at most so much of a penalty say how a closed mouth reads."""
+_MOUTH = [SCORES.start + SCORE_NAMES.index("jawOpen"), BLOCKS["measures"].start + MEASURES.index("lip_gap")]
 _EXPRESSIONS = (
     *("jawOpen", "mouthSmileLeft", "mouthSmileRight", "mouthPucker", "mouthFunnel", "browInnerUp", "browDownLeft"),
     *("browDownRight", "mouthPressLeft", "mouthPressRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthLeft"),
@@ -75,7 +81,7 @@ class NeutralChoice:
     time: float
     """Seconds."""
     features: NDArray[np.float32]
-    """[D] the neutral's feature vector."""
+    """[D] the neutral's feature vector: the frame's, with its mouth as closed as it is in a tenth of the clip."""
     rotation: NDArray[np.float64]
     """[3] the neutral's head rotation, as from ``features.head_rotation``: that of the frame, but near how the head is
     in most of the clip, else an avatar would be bowed or turned throughout."""
@@ -107,11 +113,12 @@ def choose_neutral(
     group = group[costs[group] <= costs[best] + _LIKE_THE_BEST]
     turned = np.median(faces.rotations[group], axis=0)
     rotation = _near_the_seat(turned, faces.rotations)
+    features = _with_closed_mouth(np.median(faces.features[group], axis=0), faces, chosen.penalties["turned"])
     number = chosen.index if numbers is None else numbers[chosen.index]
     return NeutralChoice(
         index=chosen.index,
         time=chosen.time,
-        features=np.median(faces.features[group], axis=0).astype(np.float32),
+        features=features,
         rotation=rotation,
         reason=_reason(chosen, faces.rotations[best], rotation, number),
         candidates=_spread(faces.ranking, max(times) - min(times), CANDIDATES),
@@ -145,6 +152,8 @@ class _Weighed:
     """[S, 3]"""
     costs: NDArray[np.float64]
     """[S]"""
+    turned: NDArray[np.float64]
+    """[S] the penalty for how far the head is turned, a part of the cost."""
     ranking: list[Candidate]
     """The best first."""
 
@@ -164,7 +173,7 @@ def _weighed(observations: Sequence[FaceObservation | None], times: Sequence[flo
         Candidate(seen[i][0], times[seen[i][0]], float(costs[i]), {name: float(p[i]) for name, p in penalties.items()})
         for i in np.argsort(costs, kind="stable")
     ]
-    return _Weighed(features, rotations, costs, ranking)
+    return _Weighed(features, rotations, costs, penalties["turned"], ranking)
 
 
 def _penalties(
@@ -190,6 +199,15 @@ def _penalties(
         "unusual": np.maximum(unusual - 1, 0) / 10,
         "blurred": np.maximum(np.log(np.quantile(sharpness, 0.7) + 1e-9) - np.log(sharpness + 1e-9) - 0.2, 0),
     }
+
+
+def _with_closed_mouth(features: NDArray[np.float32], faces: _Weighed, turned: float) -> NDArray[np.float32]:
+    """Features [D] of a rest whose penalty for being turned is ``turned``, its mouth no further open than where it is
+    closed."""
+    facing = faces.features[faces.turned <= max(turned, _FACING)]
+    rest = features.astype(np.float32)
+    rest[_MOUTH] = np.minimum(rest[_MOUTH], np.quantile(facing[:, _MOUTH], _CLOSED, axis=0))
+    return rest
 
 
 def _seat(rotations: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -138,7 +138,7 @@ MARA = Person(
     # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none
     rest=RELAXED
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
-    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0, "browDownLeft": 0.1, "browDownRight": 0.1}
+    | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
     gain=_paired({"mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}) | {"browInnerUp": 1.2},
 )
@@ -170,10 +170,10 @@ THEO = Person(
     brow_lift=0.002,
     rest=RELAXED
     # so was his: half of one read as hardly one
-    | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.15}
-    | {"browInnerUp": 0.05, "browOuterUpLeft": 0.30, "browOuterUpRight": 0.30},
-    gain=_paired({"browOuterUp": 1.4, "browDown": 1.35, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
-    | {"browInnerUp": 1.25, "mouthPucker": 1.1},
+    | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.25}
+    | {"browInnerUp": 0.15, "browOuterUpLeft": 0.42, "browOuterUpRight": 0.42},
+    gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
+    | {"browInnerUp": 1.25, "mouthPucker": 1.0},
 )
 
 JONAH = Person(
@@ -204,9 +204,9 @@ JONAH = Person(
     # as low as they are without these read as lowered, which raised ones took back
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
-    | {"browInnerUp": 0.1, "browOuterUpLeft": 0.32, "browOuterUpRight": 0.32}
+    | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
     | {"mouthRollUpper": 0.2, "mouthRollLower": 0.15},
-    gain=_paired({"browDown": 1.35, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
+    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gemheads.models.driver.face import FaceObservation, FaceTracker
-from gemheads.models.driver.features import feature_vector
+from gemheads.models.driver.features import BLOCKS, feature_vector, score
+from gemheads.models.driver.measures import MEASURES
 from gemheads.models.driver.neutral import CANDIDATES, choose_neutral, neutral_of, other_neutrals
 from gemheads.models.driver.points import SCORES
 from gemheads.render.rotations import matrix_from_wxyz, wxyz_from_rotvec
@@ -24,10 +25,14 @@ def scoring(face: FaceObservation, name: str, value: float) -> FaceObservation:
     return replace(face, scores=scores)
 
 
-def open_mouthed(face: FaceObservation) -> FaceObservation:
+def open_mouthed(face: FaceObservation, cm: float = 1.5) -> FaceObservation:
     mesh = face.metric_mesh.copy()
-    mesh[[14, 17], 1] -= 1.5
+    mesh[[14, 17], 1] -= cm
     return replace(face, metric_mesh=mesh)
+
+
+def lip_gap(features: NDArray[np.float32]) -> float:
+    return float(features[BLOCKS["measures"]][MEASURES.index("lip_gap")])
 
 
 def blinking(face: FaceObservation) -> FaceObservation:
@@ -113,6 +118,22 @@ def test_the_neutral_is_a_median_of_calm_neighbours(still_face: FaceObservation)
     clean = feature_vector(still_face)
     alone = np.mean([np.abs(feature_vector(face) - clean).mean() for face in noisy])
     assert np.abs(choice.features - clean).mean() < 0.8 * alone
+
+
+def test_a_mouth_that_is_ajar_at_rest_rests_as_closed_as_it_is_elsewhere(still_face: FaceObservation) -> None:
+    ajar = [scoring(open_mouthed(still_face, 0.1), "jawOpen", 0.08)] * 9
+    closed = scoring(looking_aside(still_face), "jawOpen", 0.02)
+    choice = choose_neutral([*ajar, closed, closed], [i / 30 for i in range(11)])
+    assert choice.index < 9
+    assert score(choice.features, "jawOpen") == pytest.approx(0.02, abs=1e-6)
+    assert lip_gap(choice.features) == pytest.approx(lip_gap(feature_vector(closed)), abs=1e-5)
+    assert np.count_nonzero(choice.features != feature_vector(ajar[0])) == 2
+
+
+def test_what_a_turned_head_seems_to_close_is_not_believed(still_face: FaceObservation) -> None:
+    ajar, turned_away = scoring(still_face, "jawOpen", 0.08), turned(scoring(still_face, "jawOpen", 0.0), 40)
+    choice = choose_neutral([ajar] * 5 + [turned_away] * 5, [i / 30 for i in range(10)])
+    assert score(choice.features, "jawOpen") == pytest.approx(0.08, abs=1e-6)
 
 
 def test_other_neutrals_are_other_plausible_moments(still_face: FaceObservation) -> None:
