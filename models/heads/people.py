@@ -169,7 +169,7 @@ THEO = Person(
     wrinkles=1.0,
     brow_lift=0.002,
     rest=RELAXED
-    # so was his: half of one read as hardly one
+    # so was his: half of one read as hardly one; and as low as brows are with less they read as lowered
     | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.25}
     | {"browInnerUp": 0.15, "browOuterUpLeft": 0.42, "browOuterUpRight": 0.42},
     gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
