@@ -11,6 +11,7 @@ from ...models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from ...models.crossing.compare import Compared
 from ...models.crossing.embedding import Agreement
 from ...models.crossing.extent import Extent
+from ...models.crossing.lips import PARTED_MM, SHUT_MM
 from ...models.crossing.pace import Pace
 from ...models.crossing.poseleak import GOAL, PITCH_DEG, YAW_DEG
 from ...models.metrics.tables import CROSSING, CROSSING_BY
@@ -64,6 +65,7 @@ def crossing_json(
         "channels": [
             {"name": c.name, "goal": c.goal, "floor": c.floor, "second_opinion": c.goal is None} for c in CHANNELS
         ],
+        "lips": {"parted_mm": PARTED_MM, "shut_mm": SHUT_MM},
         "pose_leak": {"goal": GOAL, "yaw_deg": YAW_DEG, "pitch_deg": PITCH_DEG},
         "drivers": [_driver_json(tracked) for tracked in clips],
         "rows": [_row_json(row) for row in rows],
@@ -137,6 +139,7 @@ def _compared_json(compared: Compared) -> dict[str, Any]:
     return {
         **{kind: dict(zip(names, map(_plain, values), strict=True)) for kind, values in by_channel.items()},
         "embedding": _agreement_json(compared.agreement),
+        "lips": {kind: _plain(value) for kind, value in asdict(compared.lips).items()},
         "unseen": compared.unseen,
         "worst": [asdict(worst) for worst in compared.worst],
     }

@@ -9,6 +9,7 @@ from ...render.arrays import Floats64
 from .channels import CHANNELS, SCORE_CHANNELS, amplitudes, correlations, moving, table, unrests
 from .clip import Clip
 from .embedding import Agreement, agreement
+from .lips import Lips, lips
 from .loop import Echo
 
 FEWEST_SEEN = 3
@@ -58,6 +59,7 @@ class Compared:
     likeness: Likeness
     agreement: Agreement | None
     """None where the avatar was hardly seen."""
+    lips: Lips
     driver: Floats64
     """[S, channels] over the S frames in which both were seen, relative to the own neutral ..."""
     avatar: Floats64
@@ -78,6 +80,7 @@ def compare(clip: Clip, shown: Echo) -> Compared:
     return Compared(
         likeness=likeness(driver, avatar) if enough else _nothing(table(clip.readings, clip.neutral)),
         agreement=agreement(*relative_embeddings(clip, shown)) if enough else None,
+        lips=lips(clip.readings.only(shown.seen), clip.neutral, shown.readings, shown.neutral),
         driver=driver,
         avatar=avatar,
         times=clip.times[shown.seen],

@@ -4,8 +4,9 @@
 
 For each clip and channel it prints the correlation over frames of the avatar with its driver: the unlearned baseline
 (relative scores as ARKit weights) first, then the avatar's regressor. "-" marks a channel in which the driver hardly
-moves. Below them, second opinions by landmark distances that do not go through the scores; at the end the medians
-again, to the third digit, and one mean. `gemheads evaluate` with --drivers says more, of several avatars, on a page;
+moves. Below them, second opinions by landmark distances that do not go through the scores, and by how many millimetres
+lips are off and how often they stay shut while the driver's are parted; at the end the medians again, to the third
+digit, and one mean. `gemheads evaluate` with --drivers says more, of several avatars, on a page;
 this one also tries regressors that are in no avatar yet.
 """
 
@@ -22,8 +23,9 @@ import numpy as np
 from gemheads.app.evaluation.drivers import opened_drivers
 from gemheads.models.crossing.channels import CHANNELS, SCORE_CHANNELS
 from gemheads.models.crossing.clip import Clip
-from gemheads.models.crossing.compare import Likeness, compare
+from gemheads.models.crossing.compare import Compared, compare
 from gemheads.models.crossing.kept import Kept
+from gemheads.models.crossing.lips import PARTED_MM
 from gemheads.models.crossing.loop import Echo, echo
 from gemheads.models.crossing.mirror import Mirror
 from gemheads.models.driver.answer import Express, by_scores
@@ -40,8 +42,8 @@ SHOTS = 10
 """Pictures of each clip in the film strip."""
 OVERALL = [place for place, channel in enumerate(SCORE_CHANNELS) if channel.name not in ("yaw", "roll")]
 """Channels that the one mean is taken over: those of the head are followed by all."""
-Figures = dict[str, dict[str, tuple[Likeness, int]]]
-"""Clip -> run -> figures by channel, and in how many frames the avatar was not seen."""
+Figures = dict[str, dict[str, Compared]]
+"""Clip -> run -> how well the avatar followed."""
 
 
 def main() -> int:
@@ -83,7 +85,7 @@ def main() -> int:
             shown = echo(clip, express, mirror, components)
             print(f"{clip_name}, {name}: {time.perf_counter() - began:.0f} s", file=sys.stderr)
             compared = compare(clip, shown)
-            figures.setdefault(clip_name, {})[name] = compared.likeness, compared.unseen
+            figures.setdefault(clip_name, {})[name] = compared
             if name == next((n for n in runs if n != "baseline"), "baseline"):
                 strips += _strip(clip, shown)
     print(report(gem.name, figures, list(runs)))
@@ -105,7 +107,7 @@ def report(avatar: str, figures: Figures, runs: list[str]) -> str:
     names = list(figures)
 
     def column(kind: str, run: str) -> NDArray[np.float64]:
-        return np.array([getattr(figures[name][run][0], kind) for name in names], np.float64)
+        return np.array([getattr(figures[name][run].likeness, kind) for name in names], np.float64)
 
     correlation = {run: column("correlation", run) for run in runs}
     moving = ~np.isnan(correlation[runs[0]])
@@ -123,6 +125,11 @@ def report(avatar: str, figures: Figures, runs: list[str]) -> str:
         goal = "" if channel.goal is None else f"{channel.goal:g}"
         name = channel.name if channel in SCORE_CHANNELS else f"*{channel.name}*"
         lines.append(f"| {name} | {goal} | " + " | ".join(cells) + " |")
+    for kind, name in (("off_mm", "lips off, mm"), ("shut", f"shut, of frames parted by {PARTED_MM:g} mm")):
+        of_lips = {run: np.array([getattr(figures[name][run].lips, kind) for name in names]) for run in runs}
+        cells = [" ".join(_figure(of_lips[run][c]) for run in runs) for c in range(len(names))]
+        cells.append(" ".join(_figure(_median(each)) for each in of_lips.values()))
+        lines.append(f"| *{name}* |  | " + " | ".join([*cells, "", ""]) + " |")
     medians = [np.nanmedian(of_clips[:, moving.any(0)], 0) for of_clips in correlation.values()]
     names = [channel.name for channel, moves in zip(CHANNELS, moving.any(0), strict=True) if moves]
     told = (f"{name} {' '.join(f'{one:.3f}' for one in each)}" for name, *each in zip(names, *medians, strict=True))
@@ -141,6 +148,11 @@ def _overall(correlation: NDArray[np.float64]) -> float:
     return float(np.nanmean(correlation[:, moving], 0).mean())
 
 
+def _median(values: NDArray[np.float64]) -> float:
+    known = values[~np.isnan(values)]
+    return float(np.median(known)) if len(known) else float("nan")
+
+
 def _figure(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:.2f}".replace("0.", ".", 1) if abs(value) < 1 else f"{value:.2f}"
 
@@ -150,13 +162,14 @@ def _document(gem: Gem, clips: dict[str, Clip], figures: Figures) -> dict[str, o
     told = {
         clip: {
             run: {
-                "correlation": likeness.correlation.tolist(),
-                "amplitude": likeness.amplitude.tolist(),
-                "jitter": likeness.unrest.tolist(),
-                "driver_std": likeness.driver_std.tolist(),
-                "avatar_unseen": [float(unseen)],
+                "correlation": one.likeness.correlation.tolist(),
+                "amplitude": one.likeness.amplitude.tolist(),
+                "jitter": one.likeness.unrest.tolist(),
+                "driver_std": one.likeness.driver_std.tolist(),
+                "avatar_unseen": [float(one.unseen)],
+                "lips": [one.lips.off_mm, one.lips.shut],
             }
-            for run, (likeness, unseen) in runs.items()
+            for run, one in runs.items()
         }
         for clip, runs in figures.items()
     }

@@ -181,11 +181,16 @@ def _every_channel(told: Figures, figures: Figures) -> str:
             known = [of[kind][name] for of in moved if of[kind][name] is not None]
             cells.append(_number(median(known) if known else None, 2))
         rows.append(row(cells))
+    for kind, title in (("off_mm", "lips off, mm"), ("shut", "lips shut")):
+        found = [told["drivers"][driver]["lips"][kind] for driver in drivers]
+        rows.append(row([f"<em>{title}</em>", *(_number(value, 2) for value in found), "", ""]))
     heads = ["correlation", *drivers, "amplitude", "unrest"]
     text = (
         "Correlation over time; in grey, where the driver stands still, how far the avatar moves (from 1 on it is"
-        " movement). Amplitude and unrest: avatar over driver, median. Last rows: landmark distances, which do not go"
-        " through the scores."
+        " movement). Amplitude and unrest: avatar over driver, median. Grey rows: landmark distances, which do not go"
+        " through the scores; then how far lips are from standing apart as the driver's do (RMS), and the share of"
+        f" frames with the driver's lips parted by {figures['lips']['parted_mm']:g} mm or more in which the avatar's"
+        f" are shut (below {figures['lips']['shut_mm']:g} mm)."
     )
     name = escape(f"{told['avatar']}, {told['driving']}")
     return f"<details><summary>Every channel: {name}</summary><p class='small'>{text}</p>{table(heads, rows)}</details>"

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from torch import Tensor, cat
 
 from ...driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
 from ...driver.gaze import GAZE
@@ -13,6 +14,10 @@ MEASURE_TOLERANCE = 0.12
 """Centimetres; the spread of the distances under a shift of the crop and a small turn."""
 BROW_TOLERANCE = 0.05
 """The same for heights of brows: they follow the brows where the scores hardly move."""
+LIP_TOLERANCE, PARTED = 0.05, 0.3
+"""The same for the distance of lips that part: one sees at once whether they do, and the score of the jaw wakes only
+when a mouth is well open. Beyond so many centimetres it counts as other distances do: how far a mouth is open is said
+by the jaw as well, and avatars do not show as much of their teeth as people."""
 SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
 CLOSE = {
@@ -64,4 +69,17 @@ def channel_tolerances() -> NDArray[np.float32]:
     tolerances[BLOCKS["gaze"]] = GAZE_TOLERANCE
     brows = ["brow" in name for name in MEASURES]
     tolerances[BLOCKS["measures"]] = np.where(brows, BROW_TOLERANCE, MEASURE_TOLERANCE)
+    tolerances[BLOCKS["measures"].start + MEASURES.index("lip_gap")] = LIP_TOLERANCE
     return tolerances[channel_indices()]
+
+
+def felt(channels: Tensor) -> Tensor:
+    """Channels [..., T], in tolerances, as far as each counts: distances of lips beyond PARTED less."""
+    lips = channels[..., _LIPS : _LIPS + 1]
+    near = lips.clamp(-PARTED / LIP_TOLERANCE, PARTED / LIP_TOLERANCE)
+    counted = near + LIP_TOLERANCE / MEASURE_TOLERANCE * (lips - near)
+    return cat([channels[..., :_LIPS], counted, channels[..., _LIPS + 1 :]], -1)
+
+
+_LIPS = int(np.flatnonzero(channel_indices() == BLOCKS["measures"].start + MEASURES.index("lip_gap"))[0])
+"""The place of the lips' distance among the channels."""

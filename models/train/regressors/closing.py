@@ -9,6 +9,7 @@ from torch import Tensor, nn
 
 from ..threads import one_torch_thread
 from ..workers import ALONE, Advance, Workers
+from .channels import felt
 from .network import RegressorNetwork
 from .response import HUBER
 from .strangers import Crowd, Person
@@ -49,7 +50,7 @@ class ClosedLoop:
             resting: moments in which nothing but the head moves; None takes those among the people.
         """
         self._network, self._responses = network, (own.response, *own.doubters)
-        self._wanted, self._known = torch.from_numpy(people.wanted), torch.from_numpy(own.seen.weights)
+        self._wanted, self._known = felt(torch.from_numpy(people.wanted)), torch.from_numpy(own.seen.weights)
         self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
         self._people = network.inputs(*self._seen)
         acted = torch.from_numpy(people.acted)
@@ -131,7 +132,7 @@ class ClosedLoop:
 
     def _shown(self, weights: Tensor, one: int) -> Tensor:
         """What is read on the avatar from the front, relative to its neutral, as one of the responses knows it."""
-        return self._responses[one](weights, torch.zeros(len(weights), 3)) - self._rests[one]
+        return felt(self._responses[one](weights, torch.zeros(len(weights), 3)) - self._rests[one])
 
 
 def _best(advance: Advance, loop: ClosedLoop, rows: slice) -> NDArray[np.float32]:

@@ -124,6 +124,8 @@ def test_all_drivers_drive_all_avatars_by_all_ways(
             assert set(row["drivers"][driver]["correlation"]) == {channel.name for channel in CHANNELS}
             assert row["drivers"][driver]["correlation"]["mouthPucker"] is None
             assert row["drivers"][driver]["worst"]
+            # painted smiles keep their lips together
+            assert row["drivers"][driver]["lips"] == {"off_mm": 0.0, "shut": None}
         known = [row["drivers"][driver]["correlation"]["mouthSmile"] for driver in ("ann", "bob")]
         assert row["median"]["mouthSmile"] == pytest.approx(np.median(known), abs=1e-4)
         assert row["median"]["mouthPucker"] is None
@@ -143,6 +145,8 @@ def test_all_drivers_drive_all_avatars_by_all_ways(
     for cell, kind in zip(cells[-2:], ("amplitude", "unrest"), strict=True):
         both = [rows["learned", "regressor"]["drivers"][driver][kind]["mouthSmile"] for driver in ("ann", "bob")]
         assert cell == f"{np.median(both):.2f}"
+    cells = re.findall("<td>(.*?)</td>", every_channel.split("lips off, mm")[1].split("</tr>")[0])
+    assert cells[:2] == ["0.00", "0.00"]
     jitter = rows["learned", "regressor"]["robustness"]["jitter"]
     assert jitter["raw"]["sigma"] > jitter["smoothed"]["sigma"] > 0
     assert report["published"]["GEM"]["cosine"] == 0.9381

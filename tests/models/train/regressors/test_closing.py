@@ -9,14 +9,22 @@ import pytest
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 from gemheads.models.arkit import NAMES, PARTNERS  # noqa: E402
-from gemheads.models.driver.features import DIMENSION  # noqa: E402
+from gemheads.models.driver.features import BLOCKS, DIMENSION  # noqa: E402
+from gemheads.models.driver.measures import MEASURES  # noqa: E402
 from gemheads.models.train.regressors import closing  # noqa: E402
+from gemheads.models.train.regressors.channels import (  # noqa: E402
+    LIP_TOLERANCE,
+    MEASURE_TOLERANCE,
+    PARTED,
+    channel_indices,
+    channel_tolerances,
+)
 from gemheads.models.train.regressors.closing import ClosedLoop, descend  # noqa: E402
 from gemheads.models.train.regressors.controls import controls_of  # noqa: E402
 from gemheads.models.train.regressors.expressions import random_weights  # noqa: E402
 from gemheads.models.train.regressors.network import RegressorNetwork  # noqa: E402
 from gemheads.models.train.regressors.reduction import Reduction, principal_components  # noqa: E402
-from gemheads.models.train.regressors.response import ResponseModel, Responses  # noqa: E402
+from gemheads.models.train.regressors.response import HUBER, ResponseModel, Responses  # noqa: E402
 from gemheads.models.train.regressors.strangers import Crowd, Person, in_tolerances  # noqa: E402
 from gemheads.models.train.regressors.train_regressor import person_of  # noqa: E402
 from toygem import toy_gem  # noqa: E402
@@ -63,6 +71,22 @@ def test_training_closes_the_loop(scene: tuple[RegressorNetwork, Person, Crowd])
     assert (
         loop.mismatch([network]) == loop.mismatch() < loop.mismatch([network, untrained]) < loop.mismatch([untrained])
     )
+
+
+def test_a_mouth_that_is_open_counts_less_for_being_wider(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    network, avatar, people = scene
+    closed = replace(avatar, response=answering(np.zeros((len(NAMES), people.wanted.shape[1]), "f4")))
+    lips = list(channel_indices()).index(BLOCKS["measures"].start + MEASURES.index("lip_gap"))
+
+    def mismatch(gap: float) -> float:
+        wanted = np.zeros_like(people.wanted)
+        wanted[:, lips] = gap / channel_tolerances()[lips]
+        return ClosedLoop(network, closed, replace(people, wanted=wanted)).mismatch() * len(channel_indices())
+
+    # beyond HUBER tolerances each costs HUBER
+    assert mismatch(PARTED + MEASURE_TOLERANCE) - mismatch(PARTED) == pytest.approx(HUBER, rel=1e-3)
+    near = mismatch(PARTED) - mismatch(PARTED - LIP_TOLERANCE)
+    assert near == pytest.approx(HUBER, rel=1e-3)
 
 
 def test_what_follows_best_is_found_without_a_network(

@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES
+from gemheads.models.driver.measures import MEASURES
 
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
-from gemheads.models.train.regressors.channels import channel_indices, channel_tolerances  # noqa: E402
+from gemheads.models.train.regressors.channels import (  # noqa: E402
+    MEASURE_TOLERANCE,
+    PARTED,
+    channel_indices,
+    channel_tolerances,
+    felt,
+)
 from gemheads.models.train.regressors.reduction import compared_channels, principal_components  # noqa: E402
 
 
@@ -53,3 +60,18 @@ def test_channels_and_tolerances_go_together() -> None:
     jaw = SCORES.start + SCORE_NAMES.index("jawOpen")
     assert jaw in indices
     assert not set(indices) & set(range(BLOCKS["mixer"].start, BLOCKS["mixer"].stop))
+
+
+def test_lips_that_part_count_as_much_as_brows_and_wide_open_ones_as_other_distances() -> None:
+    lips = list(channel_indices()).index(BLOCKS["measures"].start + MEASURES.index("lip_gap"))
+    tolerance = channel_tolerances()[lips]
+    gaps = torch.zeros(6, len(channel_indices()))
+    gaps[:, lips] = torch.tensor([-0.1, 0.0, PARTED, PARTED + 0.12, PARTED + 1.2, -PARTED - 1.2]) / tolerance
+    counted = felt(gaps)[:, lips].numpy()
+    near = PARTED / tolerance
+    wide = 1.2 / MEASURE_TOLERANCE
+    np.testing.assert_allclose(counted, [-0.1 / tolerance, 0, near, near + 1, near + wide, -near - wide], rtol=1e-5)
+    rng = np.random.default_rng(0)
+    others = torch.from_numpy(rng.normal(0, 9, (40, len(channel_indices()))).astype("f4"))
+    aside = np.arange(others.shape[1]) != lips
+    np.testing.assert_array_equal(felt(others)[:, aside], others[:, aside])
