@@ -44,8 +44,8 @@ leaves .97 and .86 (the middle of three avatars, ``tests/bench/smiles.py``)."""
 DEEPEST = 0.025
 """So far below their rest's scores of what people do are heeded, but for those of gaze. A rest may read as pursed or
 raised; a smile then takes that back, which says no more than that it smiles. Avatars' rests read as next to nothing:
-what falls further no training has seen, and networks made frowns of it. Of twice as much they made raised brows and
-pressed lips where a stranger's head turned, whose rest had read as something."""
+what falls further no training has seen, and networks made frowns of it. Of twice as much Theo's made raised brows and
+rolled lips where a stranger turned his head, whose rest had read as a kiss."""
 UNBOUNDED = float(np.finfo(np.float32).min)
 """Least relative score of what is heeded however far it falls."""
 _NEARLY_ONE = 0.9999
