@@ -16,6 +16,7 @@ def reenact(
     size: Size = "512x512",
     neutral: str = "auto",
     neutral_sheet: Path | None = None,
+    crop: str = "whole",
     side_by_side: Annotated[bool, Parameter(negative="")] = False,
     background: str = "grey",
     no_head_pose: Annotated[bool, Parameter(negative="")] = False,
@@ -40,6 +41,8 @@ def reenact(
             that camera).
         neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face. With several
             drivers a folder.
+        crop: Which part of the drivers' pictures is looked at, where several people are seen or the face is small: left
+            or right (halves), X,Y,WIDTH,HEIGHT in percent, or whole.
         side_by_side: Put the driver's picture beside the avatar's.
         background: A colour (#rrggbb or a name) or transparent (.mov, .webm or PNGs).
         no_head_pose: Keep the head still; only the expression is followed.
@@ -53,6 +56,7 @@ def reenact(
         name_driver: Put the driver's file name into the credentials, beside the hash of its bytes.
     """
     from ..credentials.reasons import read_reason
+    from ..files.crop import read_crop
     from ..files.sources import have_times
     from ..library import find_avatar
     from ..person.neutrals import read_rule
@@ -68,6 +72,7 @@ def reenact(
         components=components,
         size=read_size(size),
         neutral=read_rule(neutral, neutral_sheet),
+        crop=read_crop(crop),
         side_by_side=side_by_side,
         background=read_colour(background),
         head_pose=not no_head_pose,
@@ -113,6 +118,7 @@ def track(
     avatar: AvatarName = None,
     neutral: str = "auto",
     neutral_sheet: Path | None = None,
+    crop: str = "whole",
     with_driver: Annotated[DriverName, Parameter(name="--driver")] = "learned",
     rate: str | None = None,
 ) -> int:
@@ -125,9 +131,12 @@ def track(
         neutral: The driver's face at rest: auto, first, frame=N, time=S, image=PATH, or profile=NAME (taken live with
             that camera).
         neutral_sheet: A PNG of the best six frames auto chose from, and why; it shows the driver's face.
+        crop: Which part of the pictures is looked at, where several people are seen or the face is small: left or right
+            (halves), X,Y,WIDTH,HEIGHT in percent, or whole.
         with_driver: learned uses the avatar's regressor, baseline the tracker's scores directly.
         rate: Frames per second of pictures. Default: 30.
     """
+    from ..files.crop import read_crop
     from ..files.sources import have_times
     from ..library import find_avatar
     from ..person.neutrals import read_rule
@@ -137,4 +146,6 @@ def track(
     if have_times([driver]):
         refuse("videos, which have their own times", rate=rate)
     rule = read_rule(neutral, neutral_sheet)
-    return run_tracking(driver, Path(out), find_avatar(avatar), rule, with_driver, read_rate(rate or "30"))
+    return run_tracking(
+        driver, Path(out), find_avatar(avatar), rule, with_driver, read_rate(rate or "30"), read_crop(crop)
+    )

@@ -17,6 +17,7 @@ from ...models.picturefile import decode_picture, is_animation
 from ...models.videopicture import LONGEST_SIDE
 from ...models.wholefile import file_sha256, open_ordinary
 from ..errors import InputError
+from .crop import WHOLE, Crop
 from .frames import Frame, spread
 from .video import VideoFile, check_sides
 
@@ -66,14 +67,14 @@ class Source(Protocol):
 class Images:
     """Pictures in a given order, at a constant rate."""
 
-    def __init__(self, path: Path, files: list[Path], rate: Fraction, longest_side: int) -> None:
-        """``longest_side``: larger pictures are scaled down to this. Raises InputError."""
+    def __init__(self, path: Path, files: list[Path], rate: Fraction, longest_side: int, crop: Crop = WHOLE) -> None:
+        """``longest_side``: larger pictures are scaled down to this, after they were cropped. Raises InputError."""
         self.path = path
         self.files = files
         self.rate = rate
         self.time_base = 1 / rate
         self.frame_count: int | None = len(files)
-        self._longest_side = longest_side
+        self._longest_side, self._crop = longest_side, crop
         height, width = self._read(files[0]).shape[:2]
         self.size = (width, height)
 
@@ -88,8 +89,9 @@ class Images:
         return [Frame(self._read(self.files[i]), i, self.time_base, number=i) for i in chosen]
 
     def _read(self, file: Path) -> NDArray[np.uint8]:
-        image = read_image(file)
+        image = self._crop.of(read_image(file))
         height, width = image.shape[:2]
+        check_sides(file, (width, height))
         scale = self._longest_side / max(height, width)
         if scale >= 1:
             return image
@@ -117,11 +119,13 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     return np.asarray(image, np.uint8)
 
 
-def open_source(driver: str, rate: Fraction = Fraction(30), longest_side: int = LONGEST_SIDE) -> Source:
+def open_source(
+    driver: str, rate: Fraction = Fraction(30), longest_side: int = LONGEST_SIDE, crop: Crop = WHOLE
+) -> Source:
     """The driver behind a command-line word: a video, a picture, a folder of pictures, ``shot_*.png`` or ``%04d.png``.
 
     ``rate`` (frames per second) is for pictures, which carry no time, and so is ``longest_side``, beyond which they are
-    scaled down (pixels); that of videos is LONGEST_SIDE. Raises InputError.
+    scaled down (pixels); that of videos is LONGEST_SIDE. ``crop``: what of the pictures is shown. Raises InputError.
     """
     path = Path(driver)
     if path.is_dir():
@@ -130,14 +134,14 @@ def open_source(driver: str, rate: Fraction = Fraction(30), longest_side: int = 
             raise InputError(
                 f"{path}: a folder without pictures; it needs files ending in {', '.join(sorted(IMAGE_SUFFIXES))}"
             )
-        return Images(path, files, rate, longest_side)
+        return Images(path, files, rate, longest_side, crop)
     if path.is_file():
         if path.suffix.lower() in IMAGE_SUFFIXES:
-            return Images(path, [path], rate, longest_side)
-        return VideoFile(path)
+            return Images(path, [path], rate, longest_side, crop)
+        return VideoFile(path, crop)
     files = _sequence(path)
     if files:
-        return Images(path, files, rate, longest_side)
+        return Images(path, files, rate, longest_side, crop)
     if path.exists():
         raise InputError(f"{path}: a pipe or device, and a driver is read twice; save it as a file first")
     raise InputError(f"{path}: no such file or folder; check the path")

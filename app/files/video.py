@@ -15,6 +15,7 @@ from ...models.mediafile import decoded, duration_of, main_video, open_media, pi
 from ...models.videopicture import upright_rgb
 from ..errors import InputError
 from .audio import sound_track
+from .crop import WHOLE, Crop
 from .frames import Frame, spread
 
 WITHOUT_PTS = ("avi",)
@@ -31,8 +32,10 @@ class VideoFile:
     Raises InputError when the file is missing, empty, not a video, or cannot be read.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, crop: Crop = WHOLE) -> None:
+        """``crop``: what its frames are of."""
         self.path = path
+        self._crop = crop
         with open_container(path) as container:
             stream = video_stream(container, path)
             self.time_base: Fraction = stream.time_base or Fraction(1, 1000)
@@ -129,7 +132,7 @@ class VideoFile:
         return 0 if last is None else last + tick
 
     def _frame(self, picture: av.VideoFrame, pts: int) -> Frame:
-        return Frame(upright_rgb(picture, self._pixel_aspect), pts, self.time_base)
+        return Frame(self._crop.of(upright_rgb(picture, self._pixel_aspect)), pts, self.time_base)
 
 
 def open_container(path: Path) -> Any:

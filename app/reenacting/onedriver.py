@@ -83,7 +83,7 @@ class OneDriver:
     def play(self, driver: str | None) -> None:
         """Everything from opening the driver to the finished file. Raises CommandError, KeyboardInterrupt."""
         cast, wish = self._cast, self._wish
-        source = open_source(driver, wish.rate) if driver else None
+        source = open_source(driver, wish.rate, crop=wish.crop) if driver else None
         performance = self._performance(source)
         self._bar.say_once(origin_of(cast.avatar).said())
         gem = cast.avatar.gem

@@ -20,6 +20,7 @@ from ..errors import (
     lacks_room,
     no_way_to,
 )
+from ..files.crop import WHOLE
 from ..files.outputs import is_video, keep_inputs, keep_strangers, plan_outputs
 from ..files.places import check_places
 from ..files.resuming import made_of_the_same
@@ -97,6 +98,8 @@ def _check_beside_track(drivers: list[str], wish: Wish) -> None:
         raise UsageError(f"--driver {wish.driving}: a track says what is done; give it to `gemheads track`")
     if wish.side_by_side and not drivers:
         raise UsageError("--side-by-side: a track has no picture of who drove it; name the video, too")
+    if wish.crop != WHOLE and not wish.side_by_side:
+        raise UsageError("--crop: a track looks at no face; give it to `gemheads track`, or add --side-by-side")
 
 
 def _opened(wish: Wish, followed: bool, bar: ProgressBar) -> Cast:
@@ -194,6 +197,7 @@ def _settings(wish: Wish, cast: Cast) -> dict[str, Any]:
         "components": wish.components or cast.avatar.gem.components,
         "size": f"{wish.size[0]}x{wish.size[1]}",
         "driving": "track" if wish.track else wish.driving,
+        "crop": str(wish.crop),
         "badge": wish.no_badge or "drawn",
         "engine": {"asked": wish.engine, "used": cast.engine.name, "description": cast.engine.description},
     }

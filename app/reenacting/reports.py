@@ -65,7 +65,7 @@ class Tally:
         if several >= WORTH_A_WORD:
             remarks.append(
                 f"several faces in {several:.0%} of the frames, of which one is followed: if it is the wrong one, or a"
-                " picture on the wall, cut the others out of the video"
+                " picture on the wall, give --crop left, right or X,Y,WIDTH,HEIGHT in percent"
             )
         return "; ".join(remarks)
 

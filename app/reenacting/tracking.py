@@ -8,6 +8,7 @@ import numpy as np
 from ...models.driver.face import FaceTracker
 from ..credentials.papers import driver_of
 from ..errors import ExitCode, NoFaceError
+from ..files.crop import WHOLE, Crop
 from ..files.outputs import keep_inputs
 from ..files.places import check_places
 from ..files.sinks import partial_name
@@ -25,14 +26,21 @@ from .reports import Tally
 
 
 def run_tracking(
-    driver: str, out: Path, avatar: Path, rule: NeutralRule, driving: Driving, rate: Fraction = Fraction(30)
+    driver: str,
+    out: Path,
+    avatar: Path,
+    rule: NeutralRule,
+    driving: Driving,
+    rate: Fraction = Fraction(30),
+    crop: Crop = WHOLE,
 ) -> ExitCode:
-    """Follow the face of ``driver`` and save what the avatar would do. Raises CommandError.
+    """Follow the face of ``driver`` (in that part of its pictures) and save what the avatar would do. Raises
+    CommandError.
 
     Stopped with Ctrl-C, it keeps the track up to there under the name of an unfinished one, so that an older one stays
     as it is, and returns INTERRUPTED.
     """
-    source = open_source(driver, rate)
+    source = open_source(driver, rate, crop=crop)
     keep_inputs([out, rule.sheet], [*files_of(driver), rule.picture, avatar])
     cast = open_avatar(avatar)
     check_places(out)

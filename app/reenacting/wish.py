@@ -5,6 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ...render.enginename import EngineName
+from ..files.crop import WHOLE, Crop
 from ..performing.casting import Driving
 from ..person.neutrals import AUTO, NeutralRule
 
@@ -17,6 +18,8 @@ class Wish:
     components: int | None = None
     size: tuple[int, int] = (512, 512)
     neutral: NeutralRule = AUTO
+    crop: Crop = WHOLE
+    """What is looked at of the drivers' pictures, and shown beside the avatar."""
     side_by_side: bool = False
     background: tuple[float, float, float] | None = (0.75, 0.75, 0.75)
     head_pose: bool = True

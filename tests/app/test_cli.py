@@ -111,6 +111,7 @@ def test_wrong_usage(capsys: pytest.CaptureFixture[str], tiny: Path) -> None:
         (("reenact", "-o", "b.mp4", "--track", "t", *avatar), "give it to `gemheads track`"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--neutral", "first", *named), "--neutral: a track needs no"),
         (("reenact", "-o", "b.mp4", "--track", "t", "--side-by-side", *named), "name the video, too"),
+        (("reenact", "a.mp4", "-o", "b.mp4", "--track", "t", "--crop", "left", *named), "or add --side-by-side"),
         (("reenact", "a.mp4", "-o", "b.mp4", "--no-badge", "because", *avatar), "say why"),
         (("export", str(tiny), "-o", "a.ply", "--set", "jawOpn=1"), "no ARKit shape is called"),
         (("export", str(tiny), "-o", "a", "--track", "t", "--set", "jawOpen=1"), "leave out one of the two"),

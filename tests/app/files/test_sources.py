@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 from gemheads.app.errors import InputError
+from gemheads.app.files.crop import read_crop
 from gemheads.app.files.sources import open_source
 
 from ..conftest import Clip
@@ -27,6 +28,26 @@ def test_large_photographs_are_scaled_down_as_videos_are(tmp_path: Path) -> None
     for source, size in ((scaled, (1920, 48)), (whole, (4000, 100))):
         assert source.size == size
         assert next(source.frames()).rgb.shape == source.samples(1)[0].rgb.shape == (size[1], size[0], 3)
+
+
+def test_a_part_of_a_large_photograph_keeps_its_pixels(tmp_path: Path) -> None:
+    picture = np.random.default_rng(0).integers(0, 255, (100, 4000, 3), np.uint8)
+    cv2.imwrite(str(tmp_path / "a.png"), picture[..., ::-1])
+    source = open_source(str(tmp_path), crop=read_crop("25,20,40,80"))
+    assert source.size == (1600, 80)
+    for frame in (next(source.frames()), source.samples(1)[0]):
+        np.testing.assert_array_equal(frame.rgb, picture[20:, 1000:2600])
+
+
+def test_of_a_video_the_same_part_is_seen_in_frames_and_samples(make_clip: Clip) -> None:
+    clip = str(make_clip("clip.mp4"))
+    crop, whole = read_crop("right"), open_source(clip)
+    source = open_source(clip, crop=crop)
+    assert source.size == (whole.size[0] // 2, whole.size[1])
+    for part, frame in zip(source.frames(), whole.frames(), strict=True):
+        np.testing.assert_array_equal(part.rgb, crop.of(frame.rgb))
+        assert part.pts == frame.pts
+    np.testing.assert_array_equal(source.samples(1)[0].rgb, crop.of(whole.samples(1)[0].rgb))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no file can be called so")

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from gemheads.app.cli import main
 from gemheads.app.errors import ExitCode
+from gemheads.app.files.crop import Crop
 from gemheads.app.files.sources import Source, open_source
 from gemheads.app.library import DEMO_CLIP
 from gemheads.models.gemfile import load_gem, save_gem
@@ -44,17 +45,36 @@ def test_times_are_exact_sound_is_copied_and_the_report_tells(tiny: Path, clip: 
 def test_a_second_face_is_told_and_what_to_do_if_it_is_the_wrong_one(
     tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    both = tmp_path / "both"
-    both.mkdir()
+    both, one = tmp_path / "both", tmp_path / "one"
     for number, frame in enumerate(islice(open_source(str(clip)).frames(), 4)):
-        pair = np.concatenate([frame.rgb, frame.rgb[:, ::-1]], axis=1)
-        cv2.imwrite(str(both / f"{number}.png"), pair[..., ::-1])
-    assert play(tiny, both, "-o", tmp_path / "out.mp4") == 0
+        for folder, picture in ((one, frame.rgb), (both, np.concatenate([frame.rgb[:, ::-1], frame.rgb], axis=1))):
+            folder.mkdir(exist_ok=True)
+            cv2.imwrite(str(folder / f"{number}.png"), picture[..., ::-1])
+    assert play(tiny, both, "-o", tmp_path / "both.mp4") == 0
     told = capsys.readouterr().err
     assert f"{both}: several faces in 100% of the frames, of which one is followed: if it is the wrong one" in told
     assert told.count("several faces") == 1
-    assert play(tiny, clip, "-o", tmp_path / "one.mp4") == 0
+    assert play(tiny, one, "-o", tmp_path / "one.mp4", "--side-by-side") == 0
+    crop = ("--crop", "right", "--side-by-side", "--report", tmp_path / "r.json")
+    assert play(tiny, both, "-o", tmp_path / "right.mp4", *crop) == 0
     assert "several faces" not in capsys.readouterr().err
+    np.testing.assert_array_equal(pictures(tmp_path / "right.mp4"), pictures(tmp_path / "one.mp4"))
+    assert json.loads((tmp_path / "r.json").read_text())["settings"]["crop"] == "50,0,50,100"
+
+
+def test_what_was_made_of_another_part_is_made_anew(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for part, said in (("whole", ""), ("10,0,80,100", "made anew"), ("10,0,80,100", "already done")):
+        assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--crop", part, "--resume") == 0
+        assert said in capsys.readouterr().err
+
+
+def test_a_part_too_small_for_a_face_is_refused(
+    tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--crop", "0,0,1,50") == ExitCode.INPUT
+    assert "give pictures with sides from 16" in capsys.readouterr().err
 
 
 def test_the_same_clip_gives_the_same_pictures(tiny: Path, clip: Path, tmp_path: Path) -> None:
@@ -108,10 +128,10 @@ def test_several_drivers_write_over_no_video_that_no_run_made(
 def test_a_report_names_what_was_not_begun_and_why_results_are_not_signed(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stopped(path: str, rate: Fraction) -> Source:
+    def stopped(path: str, rate: Fraction, crop: Crop) -> Source:
         if "other" in path:
             raise KeyboardInterrupt
-        return open_source(path, rate)
+        return open_source(path, rate, crop=crop)
 
     monkeypatch.setattr("gemheads.app.reenacting.reenact.open_signer", lambda: (None, "the key is damaged"))
     monkeypatch.setattr("gemheads.app.reenacting.onedriver.open_source", stopped)
@@ -141,10 +161,10 @@ def test_a_rate_is_for_pictures(tiny: Path, clip: Path, tmp_path: Path, capsys: 
 def test_what_nobody_foresaw_in_one_driver_does_not_stop_the_others(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def odd(path: str, rate: Fraction) -> Source:
+    def odd(path: str, rate: Fraction, crop: Crop) -> Source:
         if "talk" in path:
             raise AttributeError("no name")
-        return open_source(path, rate)
+        return open_source(path, rate, crop=crop)
 
     monkeypatch.setattr("gemheads.app.reenacting.onedriver.open_source", odd)
     other = tmp_path / "other.mp4"
@@ -309,7 +329,7 @@ def test_an_avatar_without_consent_says_so_each_time(
 def test_a_full_disk_that_is_not_the_results_is_said_plainly(
     tiny: Path, clip: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def full(path: str, rate: Fraction) -> Source:
+    def full(path: str, rate: Fraction, crop: Crop) -> Source:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr("gemheads.app.reenacting.onedriver.open_source", full)
