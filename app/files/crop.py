@@ -24,9 +24,7 @@ class Crop:
         return ",".join(f"{100 * share:g}" for share in (self.left, self.top, self.width, self.height))
 
     def of(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """This part of a picture [H, W, 3], in memory of its own."""
-        if self == WHOLE:
-            return rgb
+        """This part of a picture [H, W, 3], contiguous."""
         rows = _pixels(self.top, self.height, rgb.shape[0])
         columns = _pixels(self.left, self.width, rgb.shape[1])
         return np.ascontiguousarray(rgb[rows, columns])

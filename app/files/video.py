@@ -33,7 +33,7 @@ class VideoFile:
     """
 
     def __init__(self, path: Path, crop: Crop = WHOLE) -> None:
-        """``crop``: what its frames are of."""
+        """``crop``: the part of its pictures that frames show."""
         self.path = path
         self._crop = crop
         with open_container(path) as container:
