@@ -25,6 +25,9 @@ SAME_FACE = 0.2
 """Two boxes that overlap more than this (intersection over union) are the same face a moment later. On seven clips of
 talking heads one face overlaps itself by .84 or more from frame to frame, by .44 or more after half a second; two
 people side by side do not overlap at all."""
+SETTLING = 2
+"""Looks more at a face that was just detected: the detector's guess shifts what is read, and more than half of that is
+gone after one look more, nearly all after two."""
 _NET_INPUT = np.array(NET_INPUT)
 _LEAST_VARIANCE = 4.0
 """Of grey levels (0..255): what is flatter is no face, but the noise of a dark picture."""
@@ -148,8 +151,14 @@ class FaceTracker:
         for face in detections:
             found = self._look(rgb, face.region, len(detections))
             if found is not None and not _is_another(found, locked):
-                return found
+                return self._settled(rgb, found)
         return None
+
+    def _settled(self, rgb: NDArray[np.uint8], found: FaceObservation) -> FaceObservation:
+        """What is seen around the landmarks of what was seen around the detector's guess, as in all later pictures."""
+        for _ in range(SETTLING):
+            found = self._look(rgb, region_around(found.landmarks_px), found.faces) or found
+        return found
 
     def _look(self, rgb: NDArray[np.uint8], region: Region, faces: int | None) -> FaceObservation | None:
         """Landmarks inside a region and all that follows from them; None when there is no face in it."""

@@ -13,7 +13,7 @@ from ....render.compositing import over
 from ....render.gaussians import RawGaussians
 from ....render.software import SoftwareEngine
 from ...driver.axes import drawn_turn
-from ...driver.face import FaceObservation, FaceTracker, looked
+from ...driver.face import FaceObservation, FaceTracker
 from ...driver.features import DIMENSION, feature_vector, head_rotation, rotation_in_camera
 from ...gem import Gem
 from ...posing import pose_head
@@ -23,9 +23,6 @@ from .headshape import HeadShape
 
 PICTURE_SIZE = 320
 FOV_DEG = 20.0
-_LOOKS, _LOOKS_STILL = 2, 4
-"""A driver's face is cut out around its landmarks of the frame before; the detector's first guess reads brows half a
-standard deviation off, and everything with half as much noise again."""
 HEAD_SHARE = 0.62
 """How much of the picture's height the head fills."""
 POSE_SPREAD = np.radians([9.0, 13.0, 6.0])
@@ -160,7 +157,7 @@ class _Studio:
         if not still and rng.random() < 0.5:
             picture = _photographed(picture, rng)
         self._tracker.reset()
-        return looked(self._tracker, picture, _LOOKS_STILL if still else _LOOKS)
+        return self._tracker.track(picture)
 
     def _displaced(self) -> NDArray[np.float32] | float:
         """[N, 3] by which the head's shape moves the avatar's splats; the splats keep their sizes and turns."""

@@ -54,6 +54,25 @@ def test_the_same_pictures_give_the_same_numbers(frames: Frames) -> None:
     np.testing.assert_array_equal(runs[0], runs[1])
 
 
+def test_a_face_just_detected_is_read_as_it_is_a_few_looks_later(
+    monkeypatch: pytest.MonkeyPatch, tracker: FaceTracker, frames: Frames
+) -> None:
+    """The crop around the detector's guess shifts what is read many times as much."""
+
+    def off() -> float:
+        shifts: list[float] = []
+        for frame in frames[::8]:
+            tracker.reset()
+            first = seen(tracker.track(frame))
+            assert first.faces == 1
+            shifts.append(float(np.abs(first.scores - seen(looked(tracker, frame, 3)).scores).mean()))
+        return float(np.mean(shifts))
+
+    settled = off()
+    monkeypatch.setattr("gemheads.models.driver.face.SETTLING", 0)
+    assert settled < 0.25 * off()
+
+
 def test_nobody_is_none_and_the_face_comes_back(tracker: FaceTracker, frames: Frames) -> None:
     assert seen(tracker.track(frames[0])).faces == 1
     assert tracker.track(np.full_like(frames[0], 127)) is None
