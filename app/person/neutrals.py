@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...models.driver.face import FaceObservation, FaceTracker
+from ...models.driver.face import LOOKS_APART, FaceObservation, FaceTracker, looked
 from ...models.driver.neutral import NeutralChoice, choose_neutral, neutral_of
 from ...models.wholefile import file_sha256
 from ..errors import InputError, NoFaceError, UsageError
@@ -83,7 +83,7 @@ def find_neutral(rule: NeutralRule, source: Source, tracker: FaceTracker) -> Neu
         if rule.kind == "auto":
             return _chosen(source, tracker, rule.sheet)
         if rule.kind == "image":
-            face = _look_twice(tracker, Frame(read_image(Path(rule.value)), 0, source.time_base))
+            face = tracker.track(read_image(Path(rule.value)))
             if face is None:
                 raise NoFaceError(f"{rule.value}: no face in this picture; give one that shows the face from the front")
             return neutral_of(face, 0, 0.0, f"the picture {rule.value}")
@@ -116,7 +116,7 @@ def _kept(camera: str) -> NeutralChoice:
 
 def _chosen(source: Source, tracker: FaceTracker, sheet: Path | None) -> NeutralChoice:
     frames = source.samples(SAMPLES)
-    faces = [_look_twice(tracker, frame) for frame in frames]
+    faces = [looked(tracker, frame.rgb, LOOKS_APART) for frame in frames]
     if not any(faces):
         frames, faces = _between(source, tracker)
     choice = choose_neutral(faces, [frame.seconds for frame in frames], [frame.number for frame in frames])
@@ -162,7 +162,7 @@ def _given(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralCh
         }[rule.kind]
         if not reached:
             continue
-        face = _look_twice(tracker, frame)
+        face = tracker.track(frame.rgb)
         if face is not None:
             return neutral_of(face, index, frame.seconds, f"frame {index} at {frame.seconds:.2f} s, as asked for")
         if rule.kind != "first":
@@ -173,11 +173,6 @@ def _given(rule: NeutralRule, source: Source, tracker: FaceTracker) -> NeutralCh
     if reached:
         raise NoFaceError(f"{source.path}: no face in the whole clip; give one that shows a face")
     raise InputError(f"{source.path}: the clip ends before --neutral {rule.kind}={rule.value}; choose an earlier one")
-
-
-def _look_twice(tracker: FaceTracker, frame: Frame) -> FaceObservation | None:
-    """The second look starts from the landmarks of the first, as in a running video: the same crop and features."""
-    return tracker.track(frame.rgb) and tracker.track(frame.rgb)
 
 
 def _seconds(text: str) -> float | None:

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...render.arrays import Floats64, Image
-from ..driver.face import FaceObservation, FaceTracker, looked
+from ..driver.face import LOOKS_APART, FaceObservation, FaceTracker, looked
 from ..driver.neutral import NeutralChoice, choose_neutral, other_neutrals
 from .album import Album, bound, face_square, packed
-from .reading import LOOKS_APART, Reading, Readings, read, stacked
+from .reading import Reading, Readings, read, stacked
 
 MOST_FRAMES = 3000
 """Of a clip: 40 MB of readings and pictures."""

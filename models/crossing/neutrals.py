@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ...render.arrays import Floats64
 from ..driver.answer import Express
+from ..driver.face import LOOKS_APART
 from ..gem import Gem
 from .channels import CHANNELS, table
 from .clip import Clip
@@ -15,7 +16,7 @@ from .compare import FEWEST_SEEN, likeness
 from .extent import Extent, extent
 from .loop import answered
 from .mirror import Mirror
-from .reading import LOOKS_APART, Reading, stacked
+from .reading import Reading, stacked
 
 FRAMES = 24
 """Of a clip, evenly spread, under each neutral."""

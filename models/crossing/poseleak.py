@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from ...render.arrays import Floats64
 from ..driver.answer import Express
+from ..driver.face import LOOKS_APART
 from ..gem import Gem
 from .extent import Extent, extent
 from .loop import answered
 from .mirror import LOOKS, Mirror, UnseenAvatar
-from .reading import LOOKS_APART, Reading, Readings, stacked
+from .reading import Reading, Readings, stacked
 
 YAW_DEG, PITCH_DEG = 20.0, 15.0
 """How far to either side, and up and down."""

@@ -11,10 +11,6 @@ from ..driver import points
 from ..driver.face import FaceObservation
 from ..driver.features import feature_vector, head_rotation
 
-LOOKS_APART = 2
-"""At a picture that does not follow the one before at once. The tracker cuts a face out where it was last; where only
-each fourth frame is read it is not there any more, brows are read off first, and what is read agrees less than what
-people see."""
 LANDMARKS = ("lip gap", "mouth width", "lid gap", "brow height", "iris horizontal", "iris vertical")
 """Plain distances: a second opinion that goes neither through the scores nor through the metric mesh that drives."""
 

@@ -28,6 +28,9 @@ people side by side do not overlap at all."""
 SETTLING = 2
 """Looks more at a face that was just detected: the detector's guess shifts what is read, and more than half of that is
 gone after one look more, nearly all after two."""
+LOOKS_APART = 2
+"""At a picture that does not follow the one before at once. A face is cut out where it was last; where only each fourth
+frame is read it is not there any more, brows are read off first, and what is read agrees less than what people see."""
 _NET_INPUT = np.array(NET_INPUT)
 _LEAST_VARIANCE = 4.0
 """Of grey levels (0..255): what is flatter is no face, but the noise of a dark picture."""

@@ -9,9 +9,8 @@ from gemheads.models.crossing.album import SIDE, Album, face_square
 from gemheads.models.crossing.clip import Clip, ShortClip, UnseenDriver, track_clip
 from gemheads.models.crossing.loop import echo
 from gemheads.models.crossing.mirror import LOOKS
-from gemheads.models.crossing.reading import LOOKS_APART
 from gemheads.models.driver.answer import Express
-from gemheads.models.driver.face import FaceObservation
+from gemheads.models.driver.face import LOOKS_APART, FaceObservation
 from gemheads.render.arrays import Image
 from pixelface import PixelTracker, painted
 
