@@ -21,10 +21,10 @@ by the jaw as well, and avatars do not show as much of their teeth as people."""
 SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
 CLOSE = {
-    **dict.fromkeys(("browDownLeft", "browDownRight"), 0.006),
+    **dict.fromkeys(("browDownLeft", "browDownRight"), 0.005),
     **dict.fromkeys(("browInnerUp", "mouthPucker"), 0.008),
     **dict.fromkeys(("eyeBlinkLeft", "eyeBlinkRight"), 0.01),
-    "jawOpen": 0.01,
+    "jawOpen": 0.008,
     **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),
     "mouthFunnel": 0.025,
     **dict.fromkeys((f"eyeLook{way}{side}" for way in ("Out", "In", "Up", "Down") for side in ("Left", "Right")), 0.03),
