@@ -140,7 +140,7 @@ MARA = Person(
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
-    gain=_paired({"mouthSmile": 0.97, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}) | {"browInnerUp": 1.2},
+    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}) | {"browInnerUp": 1.2},
 )
 
 THEO = Person(
@@ -205,7 +205,7 @@ JONAH = Person(
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
     | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
-    | {"mouthRollUpper": 0.2, "mouthRollLower": 0.15},
+    | {"mouthRollUpper": 0.2, "mouthRollLower": 0.15, "mouthPucker": -0.1},
     gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
