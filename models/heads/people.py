@@ -140,7 +140,8 @@ MARA = Person(
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
-    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25}) | {"browInnerUp": 1.2},
+    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25})
+    | {"browInnerUp": 1.2},
 )
 
 THEO = Person(
