@@ -202,7 +202,8 @@ JONAH = Person(
     even_eyes=1.0,
     stubble=0.35,
     # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows
-    # as low as they are without these read as lowered, which raised ones took back
+    # as low as they are without these read as lowered, which raised ones took back; lips no wider than they were, as a
+    # kiss
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
     | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
