@@ -124,6 +124,7 @@ MARA = Person(
         "nose/nose-point-up": 0.3,
         "eyebrows/eyebrows-trans-up": 0.05,
         "mouth/mouth-angles-up": 0.35,
+        "mouth/mouth-trans-down": 0.35,
     },
     skin="young_caucasian_female/textures/young_lightskinned_female_diffuse.png",
     eye="green",
@@ -135,9 +136,10 @@ MARA = Person(
     enamel=1.35,
     freckles=0.6,
     brow_lift=0.0042,  # with less she looked angry at rest, and so did her smiles
-    # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none
+    # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none; in one close to the nose a jaw
+    # read as shut until it was well open, and one that stands lower smiles less with the corners where they were
     rest=RELAXED
-    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
+    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.25, "mouthSmileRight": 0.25}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
     gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25})
@@ -185,8 +187,9 @@ JONAH = Person(
         "mouth/mouth-scale-depth-decr": 0.7,
         "mouth/mouth-lowerlip-volume-decr": 0.7,
         "mouth/mouth-upperlip-volume-decr": 0.7,
-        "mouth/mouth-lowerlip-height-decr": 0.2,
+        "mouth/mouth-lowerlip-height-decr": 0.6,
         "mouth/mouth-upperlip-height-decr": 0.2,
+        "mouth/mouth-trans-down": 0.3,
         "eyebrows/eyebrows-trans-up": 0.2,
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
@@ -203,11 +206,11 @@ JONAH = Person(
     stubble=0.35,
     # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows
     # as low as they are without these read as lowered, which raised ones took back; lips no wider than they were, as a
-    # kiss
+    # kiss; a thick lower lip and a thin upper one, as a mouth that stands open, and its jaw woke at once
     rest=RELAXED
-    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.0, "mouthSmileRight": 0.0}
+    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.03, "mouthSmileRight": 0.03}
     | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
-    | {"mouthRollUpper": 0.2, "mouthRollLower": 0.15, "mouthPucker": -0.1},
+    | {"mouthRollUpper": 0.15, "mouthRollLower": 0.15, "mouthPucker": -0.1},
     gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )

@@ -34,8 +34,11 @@ gemheads evaluate learned/refined.gem learned/capture --shots 12 --components 5 
 gemheads evaluate mara --against theo jonah --drivers CLIP... --every 6 --seconds 12 -o build/results/strangers
 python tests/bench/peers/compare.py --write
 python tests/bench/gpu_speed.py mara --docs docs/gpu.md
+CAMERAS=10 SIZE=550x802 SPLIT=48+16 PRESET=full STEPS=2600 COMPONENTS=50 ITERATIONS=800 \\
+    examples/learn_an_avatar.sh large capture train distill refine
+gemheads evaluate large/refined.gem large/capture --shots 12 -o build/results/large
 python tests/bench/ablations.py learned/capture learned/run --docs docs/ablations.md
-python tests/bench/results.py build/results/learned build/results/strangers"""
+python tests/bench/results.py build/results/learned build/results/large build/results/strangers"""
 HEAD = f"""# Results
 
 Printed by `python tests/bench/results.py REPORT...` of what `gemheads evaluate` wrote; each section says by which

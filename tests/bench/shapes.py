@@ -22,7 +22,7 @@ from gemheads.render.arrays import Image
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = 384
 SHAPES = ("jawOpen", "mouthSmile", "mouthPucker", "eyeBlink", "browInnerUp", "browDown")
-WEIGHTS = (0.25, 0.5, 0.75, 1.0)
+WEIGHTS = (0.1, 0.15, 0.2, 0.25, 0.5, 0.75, 1.0)
 HALF_SHUT = 0.5
 CHANNELS = [channel.name for channel in SCORE_CHANNELS]
 
@@ -39,7 +39,7 @@ def main() -> None:
         rest = seen(mirror, drawn(mirror))
         for shape in SHAPES:
             at = [channel(shape, seen(mirror, drawn(mirror, **{shape: weight})), rest) for weight in WEIGHTS]
-            print(f"| {mirror.gem.name} | {shape} | {' | '.join(f'{one:.2f}' for one in at)} |")
+            print(f"| {mirror.gem.name} | {shape} | {' | '.join(f'{one:.3f}' for one in at)} |")
     print("\n| half shut | looks aside by |\n|---|---|")
     for mirror in mirrors:
         rest, half = (seen(mirror, drawn(mirror, eyeBlink=shut)) for shut in (0.0, HALF_SHUT))
