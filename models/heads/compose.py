@@ -32,6 +32,9 @@ NARROWEST = 0.25
 BOTTOM = -0.235
 """Metres: where the shoulders end; they fade over FADE above it."""
 FADE = 0.045
+WALL_AT_LIPS, BEHIND_LIPS_M = 5.0, 4.5e-3
+"""Relative density of the mouth's walls at the lips, and how far behind them it is. As sparse as deeper in, a splat is
+as large as a lip is high and stands out over its edge, before the teeth."""
 PROBES = (
     weights_of(),
     weights_of(jawOpen=0.9),
@@ -77,7 +80,9 @@ def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
     density = np.where(shader.scalp[corners].mean(1) > 0.6, 0.28, density)
     collar = collar_height(position)
     density = np.where(collar < 0, 0.2, density) + 2.0 * np.exp(-((collar / 0.006) ** 2))
-    density = np.where(sample_map(shader.maps.mouth, uv)[:, 0] > 0.5, 0.5, density)
+    wall = sample_map(shader.maps.mouth, uv)[:, 0] > 0.5
+    red = cKDTree(canvas[skin & (sample_map(shader.maps.lips, uv)[:, 0] > 0.5)])
+    density[wall] = 0.5 + WALL_AT_LIPS * np.exp(-((red.query(canvas[wall])[0] / BEHIND_LIPS_M) ** 4))
     density = np.where(skin, density, 0)
     density[head.parts == EYES] = 12.0
     density[head.parts == TEETH] = 7.0

@@ -124,6 +124,7 @@ MARA = Person(
         "nose/nose-point-up": 0.3,
         "eyebrows/eyebrows-trans-up": 0.05,
         "mouth/mouth-angles-up": 0.35,
+        "mouth/mouth-trans-down": 0.35,
     },
     skin="young_caucasian_female/textures/young_lightskinned_female_diffuse.png",
     eye="green",
@@ -135,9 +136,10 @@ MARA = Person(
     enamel=1.35,
     freckles=0.6,
     brow_lift=0.0042,  # with less she looked angry at rest, and so did her smiles
-    # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none
+    # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none; in one close to the nose a jaw
+    # read as shut until it was well open, and one that stands lower smiles less with the corners where they were
     rest=RELAXED
-    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.19, "mouthSmileRight": 0.19}
+    | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.25, "mouthSmileRight": 0.25}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
     gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25})
