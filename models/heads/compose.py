@@ -33,8 +33,8 @@ BOTTOM = -0.235
 """Metres: where the shoulders end; they fade over FADE above it."""
 FADE = 0.045
 WALL_AT_LIPS, BEHIND_LIPS_M = 5.0, 4.5e-3
-"""Relative density of the mouth's walls at the lips, and how far behind them it is. As sparse as deeper in, a splat is
-as large as a lip is high and stands out over its edge, before the teeth."""
+"""Relative density that the mouth's walls gain at the lips, and the distance from the lips over which they lose it. As
+sparse there as deeper in, a splat is as large as a lip is high and stands out over its edge, before the teeth."""
 PROBES = (
     weights_of(),
     weights_of(jawOpen=0.9),
