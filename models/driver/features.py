@@ -13,6 +13,7 @@ from . import points
 from .face import FaceObservation
 from .gaze import GAZE, eye_gaze
 from .measures import MEASURES, measure
+from .sides import believed_sides
 
 FEATURE_VERSION = 1
 """Grows with every change of what a feature means: a regressor is only valid with the version it was trained on."""
@@ -41,7 +42,8 @@ BLOCKS = _laid_out(
     mesh=3 * len(_MESH_POINTS), gaze=len(GAZE), measures=len(MEASURES), scores=len(SCORE_NAMES), mixer=64
 )
 """Block -> its part of the vector. mesh: weighted x, y, z in cm, point by point; gaze: radians, order of ``gaze.GAZE``;
-measures: cm, order of ``measures.MEASURES``; scores: [0, 1], order of SCORE_NAMES; mixer: the network's own units."""
+measures: cm, order of ``measures.MEASURES``; scores: [0, 1], order of SCORE_NAMES, sides as ``sides`` has them;
+mixer: the network's own units."""
 DIMENSION = BLOCKS["mixer"].stop
 """D, the length of a feature vector."""
 SCORES = BLOCKS["scores"]
@@ -54,7 +56,7 @@ def feature_vector(face: FaceObservation) -> NDArray[np.float32]:
     features[BLOCKS["mesh"]] = (face.metric_mesh[_MESH_POINTS] * _MESH_WEIGHTS).ravel()
     features[BLOCKS["gaze"]] = eye_gaze(face.metric_mesh, face.metric_irises)
     features[BLOCKS["measures"]] = measure(face.metric_mesh)
-    features[BLOCKS["scores"]] = face.scores[_LIVE]
+    features[BLOCKS["scores"]] = believed_sides(face.scores, head_rotation(face)[1])[_LIVE]
     features[BLOCKS["mixer"]] = face.mixer
     return features
 
