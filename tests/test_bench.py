@@ -38,12 +38,14 @@ SMALL = {
     "pose_leak": "{mara} --heads {mara} --fov 20 --size 128",
     "reread": "{mara} {clip} --every 1 --components 5",
     "shapes": "{mara}",
+    "sides": "{clip} --heads {mara}",
     "smiles": "{clip} --avatars {mara} --cache {out}",
     "tracker_speed": "{clip} --height 120 --frames 3",
 }
 SMALLER: dict[str, dict[str, object]] = {
     "diff_speed": {"SCENES": ((50, 16),)},
     "shapes": {"SHAPES": ("jawOpen",)},
+    "sides": {"EVERY": 1, "FEWEST": 3},
     "smiles": {"EVERY": 1, "WHOLE": ("jawOpen",)},
 }
 """Constants of theirs."""

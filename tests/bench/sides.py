@@ -87,7 +87,7 @@ def of_head(mirror: Mirror, turned: float) -> NDArray[np.float64]:
 def of_person(path: Path) -> list[str]:
     """For each pair the slope and the correlation; none where too little is seen."""
     tracker, apart, yaw = FaceTracker(), [], []
-    for index, frame in enumerate(open_source(path).frames()):
+    for index, frame in enumerate(open_source(str(path)).frames()):
         if frame.seconds > SECONDS:
             break
         if index % EVERY:
