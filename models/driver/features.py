@@ -16,7 +16,8 @@ from .measures import MEASURES, measure
 from .sides import believed_sides
 
 FEATURE_VERSION = 1
-"""Grows with every change of what a feature means: a regressor is only valid with the version it was trained on."""
+"""Grows with every change of what a feature means: a regressor is only valid with the version it was trained on. How
+surely a feature is read, of mirror images or by ``sides``, is not what it means."""
 
 _WEIGHTS = (
     (points.LIPS, 1.0),

@@ -1,7 +1,7 @@
 """What of a face is believed to be on one side only.
 
 Who turns his head seems to raise the brow on the side that turns away, and to press his lips and dimple his cheek on
-the other, whatever his face does: some people by five times as much as the avatars of which networks learn what a turn
+the other, whatever his face does: some people several times as much as the avatars of which networks learn what a turn
 adds. Lips and cheeks that do that on one side only are rare, and read so by chance. A single brow is raised often, and
 read well from the front. ``tests/bench/sides.py`` measures all that.
 """
