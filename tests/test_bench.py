@@ -46,7 +46,7 @@ SMALLER: dict[str, dict[str, object]] = {
     "diff_speed": {"SCENES": ((50, 16),)},
     "shapes": {"SHAPES": ("jawOpen",)},
     "sides": {"EVERY": 1, "FEWEST": 3},
-    "smiles": {"EVERY": 1, "WHOLE": ("jawOpen",)},
+    "smiles": {"EVERY": 1, "WHOLE": ("jawOpen",), "BARED": -1.0, "SMILING": -1.0, "SHUT": 2.0},
 }
 """Constants of theirs."""
 
