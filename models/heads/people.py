@@ -137,12 +137,13 @@ MARA = Person(
     freckles=0.6,
     brow_lift=0.0042,  # with less she looked angry at rest, and so did her smiles
     # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none; in one close to the nose a jaw
-    # read as shut until it was well open, and one that stands lower smiles less with the corners where they were
+    # read as shut until it was well open, and one that stands lower smiles less with the corners where they were; for a
+    # grin as wide as people's the whole of MakeHuman's lowered lip was not enough
     rest=RELAXED
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.25, "mouthSmileRight": 0.25}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
-    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "browDown": 1.25})
+    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "mouthLowerDown": 1.5, "browDown": 1.25})
     | {"browInnerUp": 1.2},
 )
 
@@ -190,6 +191,7 @@ JONAH = Person(
         "mouth/mouth-lowerlip-height-decr": 0.6,
         "mouth/mouth-upperlip-height-decr": 0.2,
         "mouth/mouth-trans-down": 0.3,
+        "mouth/mouth-angles-down": 0.22,
         "eyebrows/eyebrows-trans-up": 0.2,
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
@@ -211,7 +213,7 @@ JONAH = Person(
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.03, "mouthSmileRight": 0.03}
     | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
     | {"mouthRollUpper": 0.15, "mouthRollLower": 0.15, "mouthPucker": -0.1},
-    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
+    gain=_paired({"browDown": 1.5, "mouthSmile": 1.3, "mouthUpperUp": 1.5, "mouthLowerDown": 1.2})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
 

@@ -27,10 +27,12 @@ CLOSE = {
     "jawOpen": 0.008,
     **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),
     "mouthFunnel": 0.025,
+    **dict.fromkeys(("mouthLowerDownLeft", "mouthLowerDownRight"), 0.02),
     **dict.fromkeys((f"eyeLook{way}{side}" for way in ("Out", "In", "Up", "Down") for side in ("Left", "Right")), 0.03),
 }
 """The same for what people look at first when they judge whether an avatar follows: brows and pucker move little on any
-face, and all of these would lose against the many landmarks that contradict them a little."""
+face, and all of these would lose against the many landmarks that contradict them a little. The score of a lowered lower
+lip wakes late, too: avatars parted their lips for a grin by the jaw and the upper lip, and showed half of the teeth."""
 UNTRUSTED_SCORES = (
     "mouthClose",
     "mouthShrugUpper",
