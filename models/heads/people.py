@@ -191,7 +191,6 @@ JONAH = Person(
         "mouth/mouth-lowerlip-height-decr": 0.6,
         "mouth/mouth-upperlip-height-decr": 0.2,
         "mouth/mouth-trans-down": 0.3,
-        "mouth/mouth-angles-down": 0.22,
         "eyebrows/eyebrows-trans-up": 0.2,
     },
     skin="young_african_male/textures/young_darkskinned_male_diffuse.png",
@@ -213,7 +212,7 @@ JONAH = Person(
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.03, "mouthSmileRight": 0.03}
     | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
     | {"mouthRollUpper": 0.15, "mouthRollLower": 0.15, "mouthPucker": -0.1},
-    gain=_paired({"browDown": 1.5, "mouthSmile": 1.3, "mouthUpperUp": 1.5, "mouthLowerDown": 1.2})
+    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
 
