@@ -22,7 +22,6 @@ from gemheads.models.crossing.mirror import LOOKS, Mirror
 from gemheads.models.crossing.reading import Reading
 from gemheads.models.driver.features import BLOCKS, SCORE_NAMES, score
 from gemheads.models.driver.measures import MEASURES
-from gemheads.models.driver.nodding import nodding_of
 from gemheads.models.driver.regressor import Regressor
 from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
@@ -106,7 +105,7 @@ def grins(clips: list[Clip], mirrors: list[Mirror]) -> None:
     for mirror in mirrors:
         if mirror.gem.regressor is None:
             continue
-        regressor = Regressor(mirror.gem.regressor, mirror.gem.coefficient_count, nodding_of(mirror.gem))
+        regressor = Regressor.of(mirror.gem)
         repeated = [answered(regressor, reading, clip.neutral) for clip, reading in moments]
         still = mirror.neutral()
         shown_of = [_look(mirror, mirror.follow(answer)) for answer in repeated]

@@ -32,7 +32,7 @@ CLOSE = {
 }
 """The same for what people look at first when they judge whether an avatar follows: brows and pucker move little on any
 face, and all of these would lose against the many landmarks that contradict them a little. The score of a lowered lower
-lip wakes late, too: avatars parted their lips for a grin by the jaw and the upper lip, and showed half of the teeth."""
+lip wakes late, too: avatars parted their lips for a grin by the jaw and the upper lip."""
 UNTRUSTED_SCORES = (
     "mouthClose",
     "mouthShrugUpper",
