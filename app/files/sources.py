@@ -91,7 +91,7 @@ class Images:
     def _read(self, file: Path) -> NDArray[np.uint8]:
         image = self._crop.of(read_image(file))
         height, width = image.shape[:2]
-        check_sides(file, (width, height))
+        check_sides(file, (width, height), self._crop)
         scale = self._longest_side / max(height, width)
         if scale >= 1:
             return image

@@ -50,7 +50,7 @@ class VideoFile:
         """Pictures of the last reading that were not shown later than the one before, and were passed over."""
         first = next(self.frames())
         self.size = (first.rgb.shape[1], first.rgb.shape[0])
-        check_sides(path, self.size)
+        check_sides(path, self.size, crop)
 
     def frames(self) -> Iterator[Frame]:
         """All frames in order of presentation; damaged packets are passed over. Raises InputError without any."""
@@ -157,8 +157,13 @@ def video_stream(container: Any, path: Path) -> Any:
     return stream
 
 
-def check_sides(path: Path, size: tuple[int, int]) -> None:
-    """Raises InputError for pictures in which no face can be looked for: ``size`` is width and height."""
+def check_sides(path: Path, size: tuple[int, int], crop: Crop = WHOLE) -> None:
+    """Raises InputError for pictures in which no face can be looked for: ``size`` is width and height of what ``crop``
+    leaves of them."""
+    if crop != WHOLE and min(size) < LEAST_SIDE:
+        raise InputError(
+            f"{path}: --crop {crop} leaves {size[0]}x{size[1]} pixels; give a part of at least {LEAST_SIDE} to a side"
+        )
     if not all(LEAST_SIDE <= side <= MOST_SIDE for side in size):
         raise InputError(
             f"{path}: {size[0]}x{size[1]} pixels; give pictures with sides from {LEAST_SIDE} to {MOST_SIDE} pixels"

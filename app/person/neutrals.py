@@ -146,7 +146,7 @@ def _between(source: Source, tracker: FaceTracker) -> tuple[list[Frame], list[Fa
             )
         raise NoFaceError(
             f"{source.path}: no face in the whole clip; give one where a face is at least as high as an eighth of the"
-            " picture's longer side"
+            " picture's longer side, or show less of the picture (--crop)"
         )
     return frames, faces
 

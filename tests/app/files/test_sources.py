@@ -91,6 +91,13 @@ def test_a_pattern_names_numbers_alone(tmp_path: Path) -> None:
     assert len(list(open_source(str(tmp_path)).frames())) == 4
 
 
+def test_a_part_too_small_to_look_at_is_named(tmp_path: Path, make_clip: Clip) -> None:
+    write_png(tmp_path / "a.png", 7, (40, 40))
+    for source in (str(tmp_path / "a.png"), str(tmp_path), str(make_clip("clip.mp4"))):
+        with pytest.raises(InputError, match=r"--crop 0,0,25,5 leaves \d+x\d+ pixels; .* at least 16 to a side"):
+            open_source(source, crop=read_crop("0,0,25,5"))
+
+
 @pytest.mark.parametrize("size", [(8, 20), (20, 1), (16400, 20)])
 def test_a_picture_in_which_no_face_can_be_looked_for_is_told(tmp_path: Path, size: tuple[int, int]) -> None:
     write_png(tmp_path / "thin.png", 7, size)

@@ -28,14 +28,30 @@ def sides(scores: NDArray[np.float32], name: str) -> list[float]:
 @pytest.mark.parametrize("name", ["mouthPress", "mouthDimple"])
 @pytest.mark.parametrize("yaw", [0.0, 0.3])
 def test_lips_and_cheeks_do_the_same_on_both_sides(name: str, yaw: float) -> None:
-    believed = believed_sides(scored(**{f"{name}Left": 0.4, f"{name}Right": 0.1}), yaw)
-    assert sides(believed, name) == pytest.approx([0.25, 0.25])
+    believed = believed_sides(scored(**{f"{name}Left": 0.8, f"{name}Right": 0.2}), yaw)
+    assert sides(believed, name) == pytest.approx([0.5, 0.5])
 
 
-@pytest.mark.parametrize(("turned", "left", "right"), [(0.0, 0.7, 0.1), (1.0, 0.55, 0.25), (2.0, 0.46, 0.34)])
+@pytest.mark.parametrize("name", ["mouthPress", "mouthDimple", "browOuterUp"])
+@pytest.mark.parametrize("both", [0.02, 0.2, 0.6])
+def test_what_a_turn_adds_to_one_side_and_takes_from_the_other_is_nothing(name: str, both: float) -> None:
+    logit, aside = np.log(both / (1 - both)), np.radians(90)
+    left, right = (float(1 / (1 + np.exp(-logit - shift))) for shift in (-1.5, 1.5))
+    believed = believed_sides(scored(**{f"{name}Left": left, f"{name}Right": right}), aside)
+    assert sides(believed, name) == pytest.approx([both, both], abs=0.005)
+
+
+@pytest.mark.parametrize("pair", [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)])
+def test_scores_of_nothing_and_of_all_are_heeded_as_others(pair: tuple[float, float]) -> None:
+    left, right = pair
+    believed = believed_sides(scored(mouthPressLeft=left, mouthPressRight=right), 0.3)
+    assert sides(believed, "mouthPress") == pytest.approx([np.mean(pair)] * 2, abs=1e-3)
+
+
+@pytest.mark.parametrize(("turned", "left", "right"), [(0.0, 0.8, 0.2), (1.0, 0.65, 0.35), (2.0, 0.56, 0.44)])
 @pytest.mark.parametrize("to_side", [-1, 1])
 def test_a_single_brow_is_believed_from_the_front(turned: float, left: float, right: float, to_side: int) -> None:
-    raised = scored(browOuterUpLeft=0.7, browOuterUpRight=0.1)
+    raised = scored(browOuterUpLeft=0.8, browOuterUpRight=0.2)
     believed = believed_sides(raised, to_side * turned * FRONTAL_RAD)
     assert sides(believed, "browOuterUp") == pytest.approx([left, right])
 
