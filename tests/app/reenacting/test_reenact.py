@@ -74,7 +74,7 @@ def test_a_part_too_small_for_a_face_is_refused(
     tiny: Path, clip: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert play(tiny, clip, "-o", tmp_path / "out.mp4", "--crop", "0,0,1,50") == ExitCode.INPUT
-    assert "give pictures with sides from 16" in capsys.readouterr().err
+    assert "--crop 0,0,1,50 leaves 5x256 pixels; give a part of at least 16" in capsys.readouterr().err
 
 
 def test_the_same_clip_gives_the_same_pictures(tiny: Path, clip: Path, tmp_path: Path) -> None:
