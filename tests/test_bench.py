@@ -33,6 +33,7 @@ SMALL = {
     "fit_speed": "--side 32 --frames 2 {ball}",
     "fuzz": "--inputs 2 --format gem --seed 7",
     "known_faces": "{mara} --drivers {theo} --pictures 6",
+    "lag": "{clip}",
     "learning_table": "{capture} --mesh {mesh} --run {run} --distilled {cnn} --refined {cnn} --shots 2 --network none",
     "nodding": "{mara} {theo} --faces 4",
     "pose_leak": "{mara} --heads {mara} --fov 20 --size 128",

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..wholefile import write_whole
 
-VERSION = 10
+VERSION = 11
 """Of what is read off pictures and how: another one, and all is done again."""
 SUFFIX = ".safetensors"
 Record = TypeVar("Record")

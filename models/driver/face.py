@@ -28,6 +28,9 @@ people side by side do not overlap at all."""
 SETTLING = 2
 """Looks more at a face that was just detected: the detector's guess shifts what is read, and more than half of that is
 gone after one look more, nearly all after two."""
+MOVED = 0.004
+"""A face whose region has moved on by more, as a share of its side or in radians, is looked at once more: where it was
+a frame ago it is read askew, brows first (``tests/bench/lag.py``). People who talk move so in a third of the frames."""
 LOOKS_APART = 2
 """At a picture that does not follow the one before at once. A face is cut out where it was last; where only each fourth
 frame is read it is not there any more, brows are read off first, and what is read agrees less than what people see."""
@@ -78,14 +81,16 @@ class FaceObservation:
 class FaceTracker:
     """Follows one face from image to image, on one thread. Not for two threads at once."""
 
-    def __init__(self, networks: Path | None = None) -> None:
-        """Opens the networks of a folder (default: the shipped ones). Raises NetworkError when one is another."""
+    def __init__(self, networks: Path | None = None, moved: float = MOVED) -> None:
+        """Opens the networks of a folder (default: the shipped ones). A face that moves by more than ``moved`` from an
+        image to the next is looked at twice. Raises NetworkError when a network is another."""
         folder = networks or FOLDER
         self._detect = FaceDetector(folder)
         self._landmarks = Network(folder, LANDMARKS_FILE, ("landmarks", "presence_logit", "embedding"))
         self._scores = Network(folder, SCORES_FILE, ("blendshapes", "mixer_embedding"))
         self._geometry = read_geometry(read_checked(folder, GEOMETRY_FILE))
         self._opposite = opposite_landmarks(self._geometry)
+        self._moved = moved
         self._region: Region | None = None
         self._last_box: Box | None = None
         self._size: tuple[int, int] | None = None
@@ -111,7 +116,7 @@ class FaceTracker:
         """
         rgb = _checked(rgb)
         locked = self._resized(rgb, locked)
-        found = self._look(rgb, self._region, None) if self._region else None
+        found = self._followed(rgb, self._region) if self._region else None
         if found is None or _is_another(found, locked):
             found = self._find(rgb, locked)
         if found is None:
@@ -156,6 +161,13 @@ class FaceTracker:
             if found is not None and not _is_another(found, locked):
                 return self._settled(rgb, found)
         return None
+
+    def _followed(self, rgb: NDArray[np.uint8], region: Region) -> FaceObservation | None:
+        """The face that was in ``region`` a moment ago; looked at once more, if it has moved, where it is now."""
+        found = self._look(rgb, region, None)
+        if found is None or region.apart(now := region_around(found.landmarks_px)) <= self._moved:
+            return found
+        return self._look(rgb, now, None) or found
 
     def _settled(self, rgb: NDArray[np.uint8], found: FaceObservation) -> FaceObservation:
         """What is seen around the landmarks of what was seen around the detector's guess, as in all later pictures."""

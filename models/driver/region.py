@@ -1,7 +1,7 @@
 """The turned square of the image that the landmark network looks at."""
 
 from dataclasses import dataclass
-from math import atan2, ceil, cos, sin, sqrt
+from math import atan2, ceil, cos, hypot, remainder, sin, sqrt, tau
 
 import cv2
 import numpy as np
@@ -31,6 +31,12 @@ class Region:
     def scaled(self, across: float, down: float) -> "Region":
         """The same place in an image that is so many times as wide and high."""
         return Region(self.x * across, self.y * down, self.size * sqrt(across * down), self.tilt)
+
+    def apart(self, other: "Region") -> float:
+        """How far off another region of the same image is: how far its centre is or how much larger it is, in sides of
+        this one, or how it is tilted against it, in radians, whichever is most."""
+        way = hypot(other.x - self.x, other.y - self.y)
+        return max(way / self.size, abs(other.size / self.size - 1), abs(remainder(other.tilt - self.tilt, tau)))
 
     def to_image(self, side: int) -> NDArray[np.float64]:
         """[2, 3] affine map from a crop of ``side`` pixels to the image, both with pixel centres at half integers."""

@@ -73,6 +73,38 @@ def test_a_face_just_detected_is_read_as_it_is_a_few_looks_later(
     assert settled < 0.25 * off()
 
 
+def test_a_face_that_moves_is_read_as_one_that_keeps_still(frames: Frames) -> None:
+    """Where it was a moment ago it is read askew; as it is where it is now."""
+    side = seen(FaceTracker().track(frames[0])).box_px
+    step = round(0.03 * (side[3] - side[1]))
+
+    def off(tracker: FaceTracker) -> float:
+        shifts: list[float] = []
+        for frame in frames[::8]:
+            tracker.reset()
+            tracker.track(frame)
+            moved = np.roll(frame, (step, -step), (0, 1))
+            shifts.append(
+                float(np.abs(seen(tracker.track(moved)).scores - seen(looked(tracker, moved, 3)).scores).mean())
+            )
+        return float(np.mean(shifts))
+
+    assert off(FaceTracker()) < 0.5 * off(FaceTracker(moved=np.inf))
+
+
+def test_a_face_that_keeps_still_is_looked_at_once(
+    monkeypatch: pytest.MonkeyPatch, tracker: FaceTracker, frames: Frames
+) -> None:
+    looked(tracker, frames[0], 3)
+    looks: list[object] = []
+    look = FaceTracker._look
+    monkeypatch.setattr(FaceTracker, "_look", lambda *given: looks.append(given) or look(*given))
+    tracker.track(frames[0])
+    assert len(looks) == 1
+    tracker.track(np.roll(frames[0], 8, 1))
+    assert len(looks) == 3
+
+
 def test_nobody_is_none_and_the_face_comes_back(tracker: FaceTracker, frames: Frames) -> None:
     assert seen(tracker.track(frames[0])).faces == 1
     assert tracker.track(np.full_like(frames[0], 127)) is None

@@ -35,3 +35,12 @@ def test_grain_in_a_large_face_is_averaged() -> None:
 def test_a_large_region_beside_the_image_repeats_its_border(middle: tuple[float, float]) -> None:
     image = np.full((90, 120, 3), 77, np.uint8)
     assert (Region(*middle, 500.0, 0.2).crop(image, SIDE) == 77).all()
+
+
+def test_regions_are_as_far_apart_as_they_differ_most() -> None:
+    region = Region(100.0, 60.0, 50.0, 3.1)
+    assert region.apart(region) == 0
+    assert region.apart(Region(103.0, 56.0, 50.0, 3.1)) == pytest.approx(5 / 50)
+    assert region.apart(Region(101.0, 60.0, 60.0, 3.1)) == pytest.approx(0.2)
+    assert region.apart(Region(100.0, 60.0, 0.0, 3.1)) == pytest.approx(1)
+    assert region.apart(Region(100.0, 60.0, 51.0, -3.1)) == pytest.approx(2 * np.pi - 6.2)  # as tilts go, side by side
