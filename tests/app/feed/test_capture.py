@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from devices import Device
 from faces import face
-from gemheads.app.feed.capture import Capture, Tuning
+from gemheads.app.feed.capture import Capture, Tuning, glancing
 from gemheads.app.feed.loop import Loop
 from gemheads.app.files.frames import Frame
 from gemheads.app.files.sources import open_source
@@ -263,3 +263,17 @@ def test_of_two_real_faces_the_locked_one_stays_until_the_other_is_asked_for() -
     assert (play() > 0.5) != first
     loop.acting.relock()
     assert (play() > 0.5) == first
+
+
+def test_a_window_looks_once_at_a_face_that_moves(monkeypatch: pytest.MonkeyPatch) -> None:
+    still = next(open_source(str(DEMO_CLIP)).frames()).rgb
+    looks: list[object] = []
+    look = FaceTracker._look
+    monkeypatch.setattr(FaceTracker, "_look", lambda *given: looks.append(given) or look(*given))
+    counts: list[int] = []
+    for tracker in (glancing(), FaceTracker()):
+        tracker.track(still)
+        looks.clear()
+        assert tracker.track(np.roll(still, 8, 1)) is not None
+        counts.append(len(looks))
+    assert counts == [1, 2]
