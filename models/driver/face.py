@@ -30,7 +30,8 @@ SETTLING = 2
 gone after one look more, nearly all after two."""
 MOVED = 0.004
 """A face whose region has moved on by more, as a share of its side or in radians, is looked at once more: where it was
-a frame ago it is read askew, brows first (``tests/bench/lag.py``). People who talk move so in a third of the frames."""
+a frame ago it is read askew, brows first (``tests/bench/lag.py``, by which people who talk move so in .15 to .7 of the
+frames)."""
 LOOKS_APART = 2
 """At a picture that does not follow the one before at once. A face is cut out where it was last; where only each fourth
 frame is read it is not there any more, brows are read off first, and what is read agrees less than what people see."""

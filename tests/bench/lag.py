@@ -38,9 +38,9 @@ def of_clip(path: Path, seconds: float) -> tuple[list[float], list[float]]:
     """How far off each score that is shown is, and milliseconds a frame: with one look, and as the tracker does."""
     trackers, judge = (FaceTracker(moved=np.inf), FaceTracker()), FaceTracker()
     off: tuple[list[NDArray[np.float64]], ...] = ([], [])
-    spent = np.zeros(2)
-    frames = list(takewhile(lambda frame: frame.seconds < seconds, open_source(str(path)).frames()))
-    for frame in frames:
+    spent, frames = np.zeros(2), 0
+    for frame in takewhile(lambda frame: frame.seconds < seconds, open_source(str(path)).frames()):
+        frames += 1
         settled = looked(judge, frame.rgb, SETTLED)
         for which, tracker in enumerate(trackers):
             begun = time.perf_counter()
@@ -51,9 +51,7 @@ def of_clip(path: Path, seconds: float) -> tuple[list[float], list[float]]:
     if not all(off):
         raise SystemExit(f"{path}: no face in it")
     errors = [100 * np.sqrt(np.square(one).mean(0)) for one in off]
-    once, twice = (
-        [*error.tolist(), 1e3 * float(each) / len(frames)] for error, each in zip(errors, spent, strict=True)
-    )
+    once, twice = ([*error.tolist(), 1e3 * float(each) / frames] for error, each in zip(errors, spent, strict=True))
     return once, twice
 
 
