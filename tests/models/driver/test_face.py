@@ -74,9 +74,9 @@ def test_a_face_just_detected_is_read_as_it_is_a_few_looks_later(
 
 
 def test_a_face_that_moves_is_read_as_one_that_keeps_still(frames: Frames) -> None:
-    """Where it was a moment ago it is read askew; as it is where it is now."""
-    side = seen(FaceTracker().track(frames[0])).box_px
-    step = round(0.03 * (side[3] - side[1]))
+    """With one look it is cut out where it was a moment ago, and read askew."""
+    box = seen(FaceTracker().track(frames[0])).box_px
+    step = round(0.03 * (box[3] - box[1]))
 
     def off(tracker: FaceTracker) -> float:
         shifts: list[float] = []
@@ -92,7 +92,7 @@ def test_a_face_that_moves_is_read_as_one_that_keeps_still(frames: Frames) -> No
     assert off(FaceTracker()) < 0.5 * off(FaceTracker(moved=np.inf))
 
 
-def test_a_face_that_keeps_still_is_looked_at_once(
+def test_a_face_is_looked_at_twice_only_where_it_has_moved(
     monkeypatch: pytest.MonkeyPatch, tracker: FaceTracker, frames: Frames
 ) -> None:
     looked(tracker, frames[0], 3)
