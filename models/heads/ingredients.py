@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import mkdtemp
 
 from ..registry import PIP, Package, RegistryError, fetch
 
@@ -65,12 +66,18 @@ def fetch_ingredients(cache: Path) -> Ingredients:
 
 @contextmanager
 def _finished_folder(folder: Path) -> Iterator[Path]:
-    """A folder that appears under its name only when filling it succeeded."""
-    partial = folder.with_name(folder.name + ".partial")
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir()
-    yield partial
-    partial.rename(folder)
+    """A folder that appears under its name only when filling it succeeded; whoever fills it at the same time fills
+    another, and the first one stays."""
+    partial = Path(mkdtemp(prefix=f"{folder.name}.", dir=folder.parent))
+    try:
+        yield partial
+        try:
+            partial.rename(folder)
+        except OSError:
+            if not folder.is_dir():
+                raise
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
 
 
 def _unpack(archive: Path, folder: Path) -> None:

