@@ -201,8 +201,7 @@ JONAH = Person(
     hair=Hair("short01", (0.06, 0.05, 0.045), (0.15, 0.12, 0.10), gloss=0.15, curl=2.0, length=0.6),
     seed=37,
     splats=21_800,
-    # greyish and with a gloss, the edge of the lower one was read as teeth: a closed mouth stood open by 2.6 mm, below
-    # which no driver could close it
+    # greyish and with a gloss, the edge of the lower one passed for a gap: his closed mouth was read as open by 2.6 mm
     lip=(0.37, 0.17, 0.15),
     lip_gloss=0.0,
     even_eyes=1.0,

@@ -5,8 +5,8 @@ and how far its lips stand apart at rest.
 
 A shape that reads as nothing over half its way, and as all of itself soon after, cannot be steered: from the first
 table models/heads/people.py has how faces rest, and how far their shapes go. In the second, eyes look straight ahead
-and are half shut: the tracker reads both sides of a face alike, so that what seems to look aside is the face's. Below
-the last no driver can close the lips, for all that is read of them: people's stand apart by half a millimetre.
+and are half shut: the tracker reads both sides of a face alike, so that what seems to look aside is the face's. A
+mouth that looks closed and is read as open parts its lips from there, for all that is read of them.
 """
 
 import argparse
