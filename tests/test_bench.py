@@ -35,19 +35,19 @@ SMALL = {
     "known_faces": "{mara} --drivers {theo} --pictures 6",
     "lag": "{clip}",
     "learning_table": "{capture} --mesh {mesh} --run {run} --distilled {cnn} --refined {cnn} --shots 2 --network none",
+    "mouths": "{clip} --avatars {mara} --cache {out}",
     "nodding": "{mara} {theo} --faces 4",
     "pose_leak": "{mara} --heads {mara} --fov 20 --size 128",
     "reread": "{mara} {clip} --every 1 --components 5",
     "shapes": "{mara}",
     "sides": "{clip} --heads {mara}",
-    "smiles": "{clip} --avatars {mara} --cache {out}",
     "tracker_speed": "{clip} --height 120 --frames 3",
 }
 SMALLER: dict[str, dict[str, object]] = {
     "diff_speed": {"SCENES": ((50, 16),)},
+    "mouths": {"EVERY": 1, "WHOLE": ("jawOpen",), "BARED": -1.0, "SMILING": -1.0, "SHUT": 2.0, "AJAR": (-1.0, 2.0)},
     "shapes": {"SHAPES": ("jawOpen",)},
     "sides": {"EVERY": 1, "FEWEST": 3},
-    "smiles": {"EVERY": 1, "WHOLE": ("jawOpen",), "BARED": -1.0, "SMILING": -1.0, "SHUT": 2.0},
 }
 """Constants of theirs."""
 
@@ -140,5 +140,5 @@ def test_an_avatar_without_a_regressor_gives_no_strip(
 def test_an_avatar_without_a_regressor_gives_no_smile_back(
     places: dict[str, Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    run("smiles", "{clip} --avatars {untaught} --cache {out}".format(**places), monkeypatch)
+    run("mouths", "{clip} --avatars {untaught} --cache {out}".format(**places), monkeypatch)
     assert capsys.readouterr().out.splitlines()[-1] == "| mara | - | - | - |"

@@ -25,7 +25,7 @@ GAIN = {
 SMILE = {"mouthSmile": 0.8, "mouthStretch": 0.7, "mouthDimple": 0.4, "cheekSquint": 0.3}
 """What a smile is made of. MakeHuman's lifts the corners more than it draws them apart: .7 and 1.0 cm wider than at
 rest, .5 and .95 cm higher, where people to whom the tracker gives .63 and .87 of a smile have 1.0 and 1.6, .4 and .8.
-``tests/bench/smiles.py`` measures people, and the avatars that this makes."""
+``tests/bench/mouths.py`` measures people, and the avatars that this makes."""
 LID_FOLLOWS = {"eyeLookUp": ("eyeWide", 0.6)}
 """Shape -> what it borrows, and how much: eyes that look up raise the lids, which MakeHuman's shape hardly does."""
 SIDES = ("Left", "Right")

@@ -1,15 +1,18 @@
-"""How people smile, how avatars do, how they grin, and how much of a whole expression a driven avatar shows.
+"""How people smile, grin and begin to open their mouths, how avatars do, and what is left of a whole expression.
 
-    python tests/bench/smiles.py [CLIP ...] [--avatars AVATAR.gem ...]
+    python tests/bench/mouths.py [CLIP ...] [--avatars AVATAR.gem ...]
 
 models/heads/units.py has what a smile is made of from the first two tables. The third is of the frames in which people
-bare their teeth, and of the avatars that follow these. models/train/regressors/controls.py has where coefficients begin
-to bend from the fourth. The last asks an avatar's regressor for the avatar's own expressions: what it does not give
+bare their teeth, and of the avatars that follow these; the fourth, of those in which the jaw is a little open and lips
+hardly part. In the fifth nobody does anything: where the score of the jaw is next to nothing at rest, it wakes late. In
+the sixth jaws of avatars drop behind lips that stay closed. models/train/regressors/controls.py has where coefficients
+begin to bend from the next. The last asks an avatar's regressor for the avatar's own expressions: what it does not give
 back there, no driver gets.
 """
 
 import argparse
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,7 +44,17 @@ SMILING = 0.5
 """... that of the smile itself ..."""
 SHUT = 0.12
 """... and that of the jaw up to which it is: farther open it is a laugh."""
+AJAR = (0.03, 0.08)
+"""Range of the jaw's score in which it is a little open, ..."""
+CLOSED_CM = 0.3
+"""... and the distance of the lips up to which they hardly part."""
 GRIN = ("mouthSmile", "mouthUpperUp", "mouthLowerDown", "jawOpen")
+PARTING = ("jawOpen", "mouthClose")
+DROPPED = (0.1, 0.2, 0.3, 0.5)
+"""Weights of a jaw ..."""
+BEHIND = 0.7
+"""... of which the lips take back so much."""
+LIP_GAP = BLOCKS["measures"].start + MEASURES.index("lip_gap")
 WHOLE = ("mouthSmile", "mouthUpperUp", "jawOpen", "mouthPucker", "browInnerUp")
 TEETH = {"mouthSmile": 1.0, "mouthUpperUp": 0.5, "cheekSquint": 0.5, "eyeSquint": 0.2}
 
@@ -66,8 +79,16 @@ def main() -> None:
         for smile in (0.5, 1.0):
             features = shown(mirror, mouthSmile=smile)
             print(f"| {mirror.gem.name} {smile} | {smile_of(features)} |")
-    print(f"\n| grins of | frames | {' | '.join(GRIN)} | lips apart, cm |\n|---|---|{'---|' * len(GRIN)}---|")
-    grins(clips, mirrors)
+    moments("grins", clips, mirrors, GRIN, grinning)
+    moments("small jaws", clips, mirrors, PARTING, ajar)
+    print("\n| at rest | jawOpen | lips apart, mm |\n|---|---|---|")
+    rests = {Path(path).stem: clip.neutral for path, clip in zip(asked.clips, clips, strict=True)}
+    for name, rest in (rests | {mirror.gem.name: mirror.neutral() for mirror in mirrors}).items():
+        print(f"| {name} | {score(rest.features, 'jawOpen'):.4f} | {10 * rest.features[LIP_GAP]:.1f} |")
+    print(f"\n| jaw behind lips: read, mm apart | {' | '.join(f'{weight:g}' for weight in DROPPED)} |")
+    print(f"|---|{'---|' * len(DROPPED)}")
+    for mirror in mirrors:
+        print(f"| {mirror.gem.name} | {' | '.join(behind_lips(mirror, weight) for weight in DROPPED)} |")
     print(f"\n| left of a whole | {' | '.join(WHOLE)} |\n|---|{'---|' * len(WHOLE)}")
     for gem in gems:
         for name, straight in (("equation 4", 0.0), (f"bent from {3 * STRAIGHT:.1f} sigma", STRAIGHT)):
@@ -91,33 +112,52 @@ def people(clips: list[Clip]) -> None:
             print(f"| {low} to {high} | {chosen.sum()} | {smile_of(features[chosen].mean(0))} |")
 
 
-def grins(clips: list[Clip], mirrors: list[Mirror]) -> None:
-    """Rows of the mean of all frames in which somebody grins, and of the avatars that repeat each of these."""
-    moments: list[tuple[Clip, Reading]] = []
+def moments(
+    name: str, clips: list[Clip], mirrors: list[Mirror], scores: tuple[str, ...], chosen: Callable[[Floats], Floats]
+) -> None:
+    """A table: means of the frames of clips of whose relative features [F, D] ``chosen`` says so, and of the avatars
+    that repeat each of these."""
+    print(f"\n| {name} of | frames | {' | '.join(scores)} | lips apart, cm |\n|---|{'---|' * len(scores)}---|---|")
+    frames: list[tuple[Clip, Reading]] = []
     for clip in clips:
-        features = clip.readings.features - clip.neutral.features
-        teeth = (both(features, "mouthUpperUp") > BARED) & (both(features, "jawOpen") < SHUT)
-        chosen = np.flatnonzero(teeth & (both(features, "mouthSmile") > SMILING))
-        moments += [(clip, clip.readings[int(place)]) for place in chosen]
-    if not moments:
+        places = np.flatnonzero(chosen(clip.readings.features - clip.neutral.features))
+        frames += [(clip, clip.readings[int(place)]) for place in places]
+    if not frames:
         return
-    print(f"| people | {grin_of([reading.features - clip.neutral.features for clip, reading in moments])} |")
+    print(f"| people | {_mean([reading.features - clip.neutral.features for clip, reading in frames], scores)} |")
     for mirror in mirrors:
         if mirror.gem.regressor is None:
             continue
         regressor = Regressor.of(mirror.gem)
-        repeated = [answered(regressor, reading, clip.neutral) for clip, reading in moments]
+        repeated = [answered(regressor, reading, clip.neutral) for clip, reading in frames]
         still = mirror.neutral()
         shown_of = [_look(mirror, mirror.follow(answer)) for answer in repeated]
-        print(f"| {mirror.gem.name} | {grin_of([one.features - still.features for one in shown_of])} |")
+        print(f"| {mirror.gem.name} | {_mean([one.features - still.features for one in shown_of], scores)} |")
 
 
-def grin_of(features: list[NDArray[np.float32]]) -> str:
-    """Cells: how many, the mean of the scores in GRIN and of the lips' distance, of relative features, each [D]."""
+def grinning(features: Floats) -> Floats:
+    """[F] whether somebody grins, of relative features [F, D]."""
+    teeth = (both(features, "mouthUpperUp") > BARED) & (both(features, "jawOpen") < SHUT)
+    return teeth & (both(features, "mouthSmile") > SMILING)
+
+
+def ajar(features: Floats) -> Floats:
+    """[F] whether somebody's jaw is a little open behind lips that hardly part, of relative features [F, D]."""
+    jaw = both(features, "jawOpen")
+    return (jaw > AJAR[0]) & (jaw < AJAR[1]) & (features[:, LIP_GAP] < CLOSED_CM)
+
+
+def _mean(features: list[NDArray[np.float32]], names: tuple[str, ...]) -> str:
+    """Cells: how many, the means of scores and of the lips' distance, of relative features, each [D]."""
     mean = np.mean(features, 0)
-    apart = mean[BLOCKS["measures"]][MEASURES.index("lip_gap")]
-    scores = " | ".join(f"{float(both(mean, name)):.2f}" for name in GRIN)
-    return f"{len(features)} | {scores} | {apart:.2f}"
+    scores = " | ".join(f"{float(both(mean, name)):.3f}" for name in names)
+    return f"{len(features)} | {scores} | {mean[LIP_GAP]:.2f}"
+
+
+def behind_lips(mirror: Mirror, weight: float) -> str:
+    """A cell: how far open a jaw is read, and by how many millimetres the lips part, which shall stay closed."""
+    features = shown(mirror, jawOpen=weight, mouthClose=BEHIND * weight)
+    return f"{both(features, 'jawOpen'):.3f}, {10 * features[LIP_GAP]:.1f}"
 
 
 def both(features: Floats, name: str) -> Floats:
