@@ -72,7 +72,8 @@ def main() -> None:
     mirrors = [Mirror(gem, SIZE) for gem in gems]
     print("| people, by score | frames | smile | mouth wider, cm | corners higher, cm |\n|---|---|---|---|---|")
     kept = Kept(asked.cache)
-    clips = [driver.tracked(EVERY, SECONDS, kept).clip for driver in opened_drivers([str(p) for p in asked.clips])]
+    drivers = opened_drivers([str(path) for path in asked.clips])
+    clips = [driver.tracked(EVERY, SECONDS, kept).clip for driver in drivers]
     people(clips)
     print("\n| avatar, weight of the smile | smile | mouth wider, cm | corners higher, cm |\n|---|---|---|---|")
     for mirror in mirrors:
@@ -82,8 +83,8 @@ def main() -> None:
     moments("grins", clips, mirrors, GRIN, grinning)
     moments("small jaws", clips, mirrors, PARTING, ajar)
     print("\n| at rest | jawOpen | lips apart, mm |\n|---|---|---|")
-    rests = {Path(path).stem: clip.neutral for path, clip in zip(asked.clips, clips, strict=True)}
-    for name, rest in (rests | {mirror.gem.name: mirror.neutral() for mirror in mirrors}).items():
+    rests = [(driver.name, clip.neutral) for driver, clip in zip(drivers, clips, strict=True)]
+    for name, rest in rests + [(mirror.gem.name, mirror.neutral()) for mirror in mirrors]:
         print(f"| {name} | {score(rest.features, 'jawOpen'):.4f} | {10 * rest.features[LIP_GAP]:.1f} |")
     print(f"\n| jaw behind lips: read, mm apart | {' | '.join(f'{weight:g}' for weight in DROPPED)} |")
     print(f"|---|{'---|' * len(DROPPED)}")
