@@ -13,12 +13,13 @@ ENDS = (("lower", -1), ("upper", 1))
 
 
 class Graph:
-    """Nodes and constants as they come; equal constants are kept once."""
+    """Nodes and constants as they come; equal ones are kept once."""
 
     def __init__(self) -> None:
         self.nodes: list[onnx.NodeProto] = []
         self.constants: list[onnx.TensorProto] = []
         self._kept: dict[tuple[str, tuple[int, ...], bytes], str] = {}
+        self._made: dict[tuple[str, tuple[str, ...], tuple[tuple[str, int], ...]], str] = {}
 
     @classmethod
     def up_to(cls, output: str, model: onnx.ModelProto) -> "Graph":
@@ -51,11 +52,15 @@ class Graph:
         return self.node("Cast", self.constant(name, half), to=TensorProto.FLOAT)
 
     def node(self, operator: str, *inputs: str, **attributes: int) -> str:
-        """The name of its output."""
+        """The name of its output; that of the node that does the same already, where there is one."""
+        key = (operator, inputs, tuple(sorted(attributes.items())))
+        if key in self._made:
+            return self._made[key]
         output = f"{operator.lower()}_{len(self.nodes)}"
         made = helper.make_node(operator, list(inputs), [output], name=output)
         made.attribute.extend(helper.make_attribute(name, value) for name, value in attributes.items())
         self.nodes.append(made)
+        self._made[key] = output
         return output
 
     def mean(self, values: Sequence[str], share: str) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import onnx
 import onnxruntime
 import pytest
 from gemheads.models.driver.features import DIMENSION
@@ -62,6 +63,16 @@ def test_a_committee_answers_the_mean_of_its_members_weights() -> None:
     assert (
         max(np.abs(g - alone(f, r).coefficients).max() for g, f, r in zip(got, features, rotations, strict=True)) > 0.1
     )
+
+
+def test_what_members_have_in_common_is_worked_out_once() -> None:
+    """A guard counts a graph's nodes, and each costs a frame its time."""
+    controls = controls_of(toy_gem())
+    members = [network_of(controls, trained=trained) for trained in (True, False)]
+    both, one = (onnx.load_from_string(export_onnx(some)).graph.node for some in (members, members[:1]))
+    assert [node.op_type for node in both].count("Slice") == [node.op_type for node in one].count("Slice") == 1
+    steps = [(node.op_type, *node.input, *(item.i for item in node.attribute)) for node in both]
+    assert len(set(steps)) == len(steps)
 
 
 def test_networks_of_different_avatars_are_no_committee() -> None:
