@@ -54,7 +54,7 @@ DROPPED = (0.1, 0.2, 0.3, 0.5)
 """Weights of a jaw ..."""
 BEHIND = 0.7
 """... of which the lips take back so much."""
-LIP_GAP = BLOCKS["measures"].start + MEASURES.index("lip_gap")
+LIP_GAP, JAW_DROP = (BLOCKS["measures"].start + MEASURES.index(name) for name in ("lip_gap", "jaw_drop"))
 WHOLE = ("mouthSmile", "mouthUpperUp", "jawOpen", "mouthPucker", "browInnerUp")
 TEETH = {"mouthSmile": 1.0, "mouthUpperUp": 0.5, "cheekSquint": 0.5, "eyeSquint": 0.2}
 
@@ -118,7 +118,8 @@ def moments(
 ) -> None:
     """A table: means of the frames of clips of whose relative features [F, D] ``chosen`` says so, and of the avatars
     that repeat each of these."""
-    print(f"\n| {name} of | frames | {' | '.join(scores)} | lips apart, cm |\n|---|{'---|' * len(scores)}---|---|")
+    print(f"\n| {name} of | frames | {' | '.join(scores)} | lips apart, cm | nose to chin, cm |")
+    print(f"|---|{'---|' * (len(scores) + 3)}")
     frames: list[tuple[Clip, Reading]] = []
     for clip in clips:
         places = np.flatnonzero(chosen(clip.readings.features - clip.neutral.features))
@@ -149,10 +150,11 @@ def ajar(features: Floats) -> Floats:
 
 
 def _mean(features: list[NDArray[np.float32]], names: tuple[str, ...]) -> str:
-    """Cells: how many, the means of scores and of the lips' distance, of relative features, each [D]."""
+    """Cells: how many, the means of scores, of the lips' distance and of the chin's from the nose, of relative
+    features, each [D]."""
     mean = np.mean(features, 0)
     scores = " | ".join(f"{float(both(mean, name)):.3f}" for name in names)
-    return f"{len(features)} | {scores} | {mean[LIP_GAP]:.2f}"
+    return f"{len(features)} | {scores} | {mean[LIP_GAP]:.2f} | {mean[JAW_DROP]:.2f}"
 
 
 def behind_lips(mirror: Mirror, weight: float) -> str:
