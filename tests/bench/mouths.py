@@ -118,7 +118,7 @@ def moments(
 ) -> None:
     """A table: means of the frames of clips of whose relative features [F, D] ``chosen`` says so, and of the avatars
     that repeat each of these."""
-    print(f"\n| {name} of | frames | {' | '.join(scores)} | lips apart, cm | nose to chin, cm |")
+    print(f"\n| {name} of | frames | {' | '.join(scores)} | lips apart, cm | jaw drop, cm |")
     print(f"|---|{'---|' * (len(scores) + 3)}")
     frames: list[tuple[Clip, Reading]] = []
     for clip in clips:
