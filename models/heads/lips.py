@@ -16,7 +16,8 @@ MOUTH_CENTER = np.array([0, -0.068, 0.0])
 """Metres on the canvas."""
 JAW_DROP = 0.34
 """Decimetres that jawOpen lowers the lower lip; the share of it says how far a point belongs to that lip."""
-
+LIP_ENDS, CHIN_BEGINS = 0.65, 1.4
+"""Half widths of the mouth below its corners: down to here it is the lower lip, and from here on the chin."""
 WALL = 0.028
 """Decimetres by which the mouth's walls are drawn back."""
 
@@ -60,6 +61,18 @@ def arching(body: Floats, jaw_open: Floats) -> Floats:
     sunk = np.zeros_like(jaw_open)
     sunk[:, 1] = jaw_open[LOWER, 1] * np.clip(x**1.5 * (1 - x), 0, None) * near * lower
     return sunk
+
+
+def lip_alone(body: Floats, chin_follows: float) -> Floats:
+    """[V] shares of MakeHuman's mouthLowerDown that stay on the base mesh ``body`` [V, 3]: all of the lip's motion, of
+    the chin's ``chin_follows``.
+
+    MakeHuman's moves the fold above the chin further than the lip. In people's grins lips sink and chins hardly do
+    (``tests/bench/mouths.py``).
+    """
+    _, y, _ = _from_corners(body)
+    down = np.clip((-y - LIP_ENDS) / (CHIN_BEGINS - LIP_ENDS), 0, 1)
+    return 1 - (1 - chin_follows) * down**2 * (3 - 2 * down)
 
 
 def pursed(shape: Purse, unit: Floats, body: Floats, jaw_open: Floats) -> Floats:

@@ -75,6 +75,9 @@ class Person:
     """ARKit weights that belong to the neutral face: a relaxed, friendly look."""
     gain: dict[str, float] = field(default_factory=dict)
     """Factors on this face's ARKit shapes, over those of ``units.GAIN``."""
+    chin_follows: float = 1.0
+    """How much of MakeHuman's lowered lower lip its chin does, 0..1: with all of it the face tracker takes a grin for a
+    jaw that opens; people's chins stand still."""
 
 
 def _both(path: str, weight: float) -> dict[str, float]:
@@ -143,8 +146,9 @@ MARA = Person(
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.25, "mouthSmileRight": 0.25}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
-    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "mouthLowerDown": 1.5, "browDown": 1.25})
+    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "mouthLowerDown": 2.0, "browDown": 1.25})
     | {"browInnerUp": 1.2},
+    chin_follows=0.1,
 )
 
 THEO = Person(
@@ -176,8 +180,9 @@ THEO = Person(
     # so was his: half of one read as hardly one; and as low as brows are with less they read as lowered
     | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.25}
     | {"browInnerUp": 0.15, "browOuterUpLeft": 0.42, "browOuterUpRight": 0.42},
-    gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthFrown": 1.6})
+    gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthLowerDown": 2.0, "mouthFrown": 1.6})
     | {"browInnerUp": 1.25, "mouthPucker": 1.0},
+    chin_follows=0.1,
 )
 
 JONAH = Person(
@@ -213,8 +218,9 @@ JONAH = Person(
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.03, "mouthSmileRight": 0.03}
     | {"mouthClose": 0.03, "browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
     | {"mouthRollUpper": 0.15, "mouthRollLower": 0.15, "mouthPucker": -0.1},
-    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.5, "mouthLowerDown": 1.5})
+    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.7, "mouthLowerDown": 2.0})
     | {"browInnerUp": 1.45, "mouthPucker": 1.2},
+    chin_follows=0.1,
 )
 
 LIN = Person(

@@ -110,7 +110,8 @@ def train_regressor(
             it has one.
         pictures: how many pictures of the avatar with random faces are drawn and read, besides those of what it has
             learned; of each companion as many.
-        steps: training steps of each network that ships; a response takes a third.
+        steps: training steps of each network that ships, and of the response models that teach it; those that only
+            rehearse, and the companions', take a third.
         seed: makes the run repeatable.
         progress: called with the stage's name, steps done and steps in all.
         jobs: processes that draw pictures and teach networks; what is learned does not depend on it.
@@ -188,7 +189,10 @@ def regressor_for(
             gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total), workers
         )
         own = joined([own, acted])
-    avatar, r2 = person_of(own, brief, seed, RESPONSES, workers, arkit)
+    # what teaches the networks is learned as long as they: where people grin and laugh, jaws of a brief one are wrong
+    avatar, r2 = person_of(
+        own, steps, seed, RESPONSES, workers, arkit, lambda done, total: progress("response", done, total)
+    )
     school = _School(controls, [avatar, *others], leaks, footage, rng)
     before = school.mismatch([RegressorNetwork(school.reduction, controls)])
     members = school.networks(steps, [seed + one for one in range(COMMITTEE)], progress, workers)
@@ -308,13 +312,19 @@ def pictures_of(
 
 
 def person_of(
-    seen: Responses, steps: int, seed: int, responses: int = 1, workers: Workers = ALONE, arkit: bool = False
+    seen: Responses,
+    steps: int,
+    seed: int,
+    responses: int = 1,
+    workers: Workers = ALONE,
+    arkit: bool = False,
+    progress: Callable[[int, int], None] = _silent,
 ) -> tuple[Person, float]:
     """An avatar with its response F, learned from its pictures ``responses`` times, and the share of variance that the
     first of them explains. ``arkit``: its control weights are those of ARKit's shapes. Raises WorkerLost."""
     channels = in_tolerances(seen.features)
     lessons = [(seen.weights, seen.rotations, channels, steps, seed + one) for one in range(responses)]
-    learned = workers.each(_learned, lessons)
+    learned = workers.each(_learned, lessons, lambda done: progress(done, responses))
     doubters = tuple(response for response, _ in learned[1:])
     return Person(seen, learned[0][0], doubters, arkit), learned[0][1]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, arching, mouth_light, pursed
+from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, arching, lip_alone, mouth_light, pursed
 
 BODY = np.zeros((CORNER + 1, 3))
 BODY[CORNER] = (0.25, -0.66, 0.19)
@@ -48,6 +48,20 @@ def test_a_funnel_opens_and_a_pucker_does_not() -> None:
 
     assert gap("mouthFunnel") > 0.06
     assert abs(gap("mouthPucker")) < 0.02
+
+
+def test_a_lip_goes_down_alone() -> None:
+    """MakeHuman's takes the skin of the chin with it."""
+    below = np.linspace(0, 3, 31)
+    body = np.zeros((CORNER + 1, 3))
+    body[CORNER] = BODY[CORNER]
+    body[: len(below), 1] = BODY[CORNER, 1] - below * BODY[CORNER, 0]
+    stays = lip_alone(body, 0.1)[: len(below)]
+    assert (stays[below < 0.6] == 1).all()
+    np.testing.assert_allclose(stays[below > 1.5], 0.1)
+    assert (np.diff(stays) <= 0).all()
+    assert -np.diff(stays).min() < 0.2, "no fold in between"
+    assert (lip_alone(body, 1.0) == 1).all()
 
 
 def test_light_grows_with_the_opening_and_fades_with_depth() -> None:

@@ -162,6 +162,21 @@ def test_lips_close_over_an_open_jaw_all_the_way_to_the_corners(name: str) -> No
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_a_grin_lowers_the_lip_and_not_the_chin(name: str) -> None:
+    """The last driver's grin: lips 1.3 cm apart, scores of the lip and of the jaw .24 and .05, and the chin .3 cm
+    farther from the nose."""
+    gem = avatar(name)
+    rest, grin = (
+        seen(photo(gem, mouthSmile=0.8 * bared, mouthUpperUp=0.8 * bared, mouthLowerDown=bared)) for bared in (0.0, 1.0)
+    )
+    lowered = score(grin, "mouthLowerDownLeft") - score(rest, "mouthLowerDownLeft")
+    assert lowered > 0.11
+    assert lowered > 1.4 * (score(grin, "jawOpen") - score(rest, "jawOpen"))
+    change = measure(grin.metric_mesh) - measure(rest.metric_mesh)
+    assert change[MEASURES.index("jaw_drop")] < 0.4
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_a_mouth_that_begins_to_open_is_read_as_no_kiss(name: str) -> None:
     gem = avatar(name)
     rest, *opening = (seen(photo(gem, jawOpen=jaw)) for jaw in (0.0, 0.1, 0.15, 0.2, 0.25))

@@ -109,6 +109,29 @@ def test_an_avatar_that_has_a_regressor_rehearses_with_it_first(usable: bool, re
     )
 
 
+def test_what_teaches_the_networks_is_learned_as_long_as_they(
+    recalled: list[Controls], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lasted: list[int] = []
+    said: list[tuple[int, int]] = []
+    fit = train_regressor.fit_response
+
+    def fitting(inputs, channels, steps, seed):
+        lasted.append(steps)
+        return fit(inputs, channels, steps, seed)
+
+    def progress(stage: str, done: int, total: int) -> None:
+        if stage == "response":
+            said.append((done, total))
+
+    monkeypatch.setattr(train_regressor, "fit_response", fitting)
+    monkeypatch.setattr(train_regressor, "REHEARSALS", 1)
+    none = np.empty((0, DIMENSION + 3), "f4")
+    train_regressor.regressor_for(toy_gem(), [], none, pictures=200, steps=9, seed=0, progress=progress)
+    assert lasted == [3] * train_regressor.RESPONSES + [9] * train_regressor.RESPONSES
+    assert said[-1] == (train_regressor.RESPONSES, train_regressor.RESPONSES)
+
+
 def test_an_avatar_baked_anew_rehearses_with_what_the_former_one_learned(
     recalled: list[Controls], tmp_path: Path
 ) -> None:
