@@ -77,7 +77,7 @@ class Person:
     """Factors on this face's ARKit shapes, over those of ``units.GAIN``."""
     chin_follows: float = 1.0
     """How much of MakeHuman's lowered lower lip its chin does, 0..1: with all of it the face tracker takes a grin for a
-    jaw that opens; people's chins stand still."""
+    jaw that opens; people's chins stand still. Lin and Ada were recorded with all of it."""
 
 
 def _both(path: str, weight: float) -> dict[str, float]:

@@ -39,8 +39,8 @@ training moves them as one. Each by itself would squint where that is read a lit
 
 STRAIGHT = 0.8
 """Of 3 sigma: as far as this, ARKit weights make the coefficients that they stand for. Equation 4's tanh bends from the
-first: of a whole smile it leaves .86, of a raised upper lip .77, so that no training could make an avatar laugh; this
-leaves .97 and .86 (the middle of three avatars, ``tests/bench/mouths.py``)."""
+first: of a whole smile it leaves .87, of a raised upper lip .74, so that no training could make an avatar laugh; this
+leaves .99 and .82 (the middle of three avatars, ``tests/bench/mouths.py``)."""
 DEEPEST = 0.025
 """So far below their rest's scores of what people do are heeded, but for those of gaze. A rest may read as pursed or
 raised; a smile then takes that back, which says no more than that it smiles. Avatars' rests read as next to nothing:

@@ -189,7 +189,7 @@ def regressor_for(
             gem, controls, answers, audience, rng, lambda done, total: progress("rehearsal", done, total), workers
         )
         own = joined([own, acted])
-    # what teaches the networks is learned as long as they: where people grin and laugh, jaws of a brief one are wrong
+    # as long as the networks: whatever it is wrong about, they learn
     avatar, r2 = person_of(
         own, steps, seed, RESPONSES, workers, arkit, lambda done, total: progress("response", done, total)
     )
@@ -321,7 +321,8 @@ def person_of(
     progress: Callable[[int, int], None] = _silent,
 ) -> tuple[Person, float]:
     """An avatar with its response F, learned from its pictures ``responses`` times, and the share of variance that the
-    first of them explains. ``arkit``: its control weights are those of ARKit's shapes. Raises WorkerLost."""
+    first of them explains. ``arkit``: its control weights are those of ARKit's shapes. ``progress``: called with how
+    many are learned, and of how many. Raises WorkerLost."""
     channels = in_tolerances(seen.features)
     lessons = [(seen.weights, seen.rotations, channels, steps, seed + one) for one in range(responses)]
     learned = workers.each(_learned, lessons, lambda done: progress(done, responses))
