@@ -14,25 +14,26 @@ MEASURE_TOLERANCE = 0.12
 """Centimetres; the spread of the distances under a shift of the crop and a small turn."""
 BROW_TOLERANCE = 0.05
 """The same for heights of brows: they follow the brows where the scores hardly move."""
-LIP_TOLERANCE, PARTED = 0.05, 0.3
+LIP_TOLERANCE, PARTED, AGAPE_TOLERANCE = 1 / 30, 0.3, 0.08
 """The same for the distance of lips that part: one sees at once whether they do, and the score of the jaw wakes only
-when a mouth is well open. Beyond so many centimetres it counts as other distances do: how far a mouth is open is said
-by the jaw as well, and avatars do not show as much of their teeth as people."""
+when a mouth is well open. What is beyond so many centimetres counts less: how far a mouth is open is said by the jaw as
+well, and avatars do not show as much of their teeth as people."""
 SCORE_TOLERANCE = 0.06
 """Share of a full expression."""
 CLOSE = {
     **dict.fromkeys(("browDownLeft", "browDownRight"), 0.005),
     **dict.fromkeys(("browInnerUp", "mouthPucker"), 0.008),
     **dict.fromkeys(("eyeBlinkLeft", "eyeBlinkRight"), 0.01),
-    "jawOpen": 0.008,
+    "jawOpen": 0.004,
     **dict.fromkeys(("mouthSmileLeft", "mouthSmileRight"), 0.02),
     "mouthFunnel": 0.025,
     **dict.fromkeys(("mouthLowerDownLeft", "mouthLowerDownRight"), 0.02),
     **dict.fromkeys((f"eyeLook{way}{side}" for way in ("Out", "In", "Up", "Down") for side in ("Left", "Right")), 0.03),
 }
 """The same for what people look at first when they judge whether an avatar follows: brows and pucker move little on any
-face, and all of these would lose against the many landmarks that contradict them a little. The score of a lowered lower
-lip wakes late, too: avatars parted their lips for a grin by the jaw and the upper lip."""
+face, and all of these would lose against the many landmarks that contradict them a little. The jaw's score is next to
+nothing until lips part by 3 mm: only counted as finely as this, small jaws outvote lips that stay closed. The score of
+a lowered lower lip wakes late, too: avatars parted their lips for a grin by the jaw and the upper lip."""
 UNTRUSTED_SCORES = (
     "mouthClose",
     "mouthShrugUpper",
@@ -79,7 +80,7 @@ def felt(channels: Tensor) -> Tensor:
     """Channels [..., T], in tolerances, as far as each counts: distances of lips beyond PARTED less."""
     lips = channels[..., _LIPS : _LIPS + 1]
     near = lips.clamp(-PARTED / LIP_TOLERANCE, PARTED / LIP_TOLERANCE)
-    counted = near + LIP_TOLERANCE / MEASURE_TOLERANCE * (lips - near)
+    counted = near + LIP_TOLERANCE / AGAPE_TOLERANCE * (lips - near)
     return cat([channels[..., :_LIPS], counted, channels[..., _LIPS + 1 :]], -1)
 
 

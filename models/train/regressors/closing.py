@@ -9,7 +9,8 @@ from torch import Tensor, nn
 
 from ..threads import one_torch_thread
 from ..workers import ALONE, Advance, Workers
-from .channels import felt
+from .channels import channel_indices, channel_tolerances, felt
+from .controls import UNBOUNDED
 from .network import RegressorNetwork
 from .response import HUBER
 from .strangers import Crowd, Person
@@ -24,12 +25,16 @@ most of which no face makes: without this brows rose and eyes widened to mend wh
 ONE_SIDED = 4.0
 """The same for one unit by which the two halves of a face move apart more than the start moves them. What is read on
 each half trembles by itself; a mouth that goes awry is the first thing that people see."""
-STILLNESS = 10.0
+STILLNESS = 15.0
 """The same for one unit of any weight where nothing but the head moves. Without it a face at rest followed what light,
 framing and a turned head do to what is read. Dearer stillness costs small movements, lowered brows and pursed lips
 first."""
 EXCESS = 20.0
 """Price of a weight beyond its bounds."""
+BELOW = 0.5
+"""Share of what falls deeper below people's rest than networks heed (``Controls.least``) that avatars shall follow.
+Their own rests read as next to nothing, so that they hardly can: with all of it counted, grins that take back a pucker
+kept lips and jaw from parting; with none of it, puckers were followed less."""
 LABELS = 1.0
 """Price of missing the known weights on the avatar's own pictures."""
 STRIDE, STRIDES = 0.1, 120
@@ -50,7 +55,8 @@ class ClosedLoop:
             resting: moments in which nothing but the head moves; None takes those among the people.
         """
         self._network, self._responses = network, (own.response, *own.doubters)
-        self._wanted, self._known = felt(torch.from_numpy(people.wanted)), torch.from_numpy(own.seen.weights)
+        self._wanted = felt(_eased(torch.from_numpy(people.wanted), network.least))
+        self._known = torch.from_numpy(own.seen.weights)
         self._seen = (torch.from_numpy(people.features), torch.from_numpy(people.rotations))
         self._people = network.inputs(*self._seen)
         acted = torch.from_numpy(people.acted)
@@ -62,15 +68,15 @@ class ClosedLoop:
         if resting is not None:
             self._resting = network.inputs(torch.from_numpy(resting.features), torch.from_numpy(resting.rotations))
         self._own = network.inputs(torch.from_numpy(own.seen.features), torch.from_numpy(own.seen.seen_rotations))
-        still = torch.zeros(1, own.seen.weights.shape[1])
-        self._rests = [response(still, torch.zeros(1, 3)) for response in self._responses]
+        self._turns = torch.from_numpy(people.turns)
 
     def mismatch(self, members: Sequence[RegressorNetwork] = ()) -> float:
-        """Mean Huber distance of the avatar's channels from what the people's would read from the front, in tolerances;
-        the mean of what all responses say. ``members``: networks whose mean answer counts, instead of the one."""
+        """Mean Huber distance of what the avatar's expression adds to its channels from what the people's add to
+        theirs, in tolerances; the mean of what all responses say. ``members``: networks whose mean answer counts,
+        instead of the one."""
         with torch.no_grad():
             weights = torch.stack([one.weights(*self._seen) for one in members or (self._network,)]).mean(0)
-            got = [self._shown(weights, one) for one in range(len(self._responses))]
+            got = [self._shown(weights, self._turns, one) for one in range(len(self._responses))]
             misses = [nn.functional.huber_loss(read, self._wanted, delta=HUBER) for read in got]
             return float(torch.stack(misses).mean())
 
@@ -120,7 +126,7 @@ class ClosedLoop:
         network, wanted = self._network, self._wanted[rows]
         bounded = network.bounded(free)
         # a weight outside its bounds keeps a little gradient, or it would never come back
-        got = self._shown(bounded + 0.05 * (free - bounded), one)
+        got = self._shown(bounded + 0.05 * (free - bounded), self._turns[rows], one)
         missed = nn.functional.huber_loss(got, wanted, delta=HUBER, reduction="none").mean(1)
         moved = bounded - start
         missed = missed + (self._prices[rows] * (bounded - self._aims[rows]) ** 2).mean(1)
@@ -130,9 +136,20 @@ class ClosedLoop:
             missed = missed + ONE_SIDED * ((moved[:, left] - moved[:, right]) ** 2).mean(1)
         return missed
 
-    def _shown(self, weights: Tensor, one: int) -> Tensor:
-        """What is read on the avatar from the front, relative to its neutral, as one of the responses knows it."""
-        return felt(self._responses[one](weights, torch.zeros(len(weights), 3)) - self._rests[one])
+    def _shown(self, weights: Tensor, turns: Tensor, one: int) -> Tensor:
+        """What is read on the avatar with its head turned, relative to itself at rest and turned alike, as one of the
+        responses knows it."""
+        response = self._responses[one]
+        with torch.no_grad():
+            rest = response(torch.zeros_like(weights), turns)
+        return felt(response(weights, turns) - rest)
+
+
+def _eased(wanted: Tensor, least: Tensor) -> Tensor:
+    """Channels [S, T], in tolerances, with what of them is below the ``least`` [D] that is heeded cut to BELOW."""
+    heeded = least[torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
+    heeded = heeded.clamp(min=UNBOUNDED)  # by a tolerance, float32's least number is none: half of -inf is no share
+    return torch.where(wanted < heeded, heeded + BELOW * (wanted - heeded), wanted)
 
 
 def _best(advance: Advance, loop: ClosedLoop, rows: slice) -> NDArray[np.float32]:

@@ -1,7 +1,7 @@
 """Relative features as other people would give them: other avatars, other gains, other leaks of head pose, noise.
 
-With each goes what the same face would read from the front: an avatar that repeats *that* does not pull a face where
-the driver only turns his head.
+With each goes what the same expression adds to a face that is turned alike: an avatar that repeats *that* does not pull
+a face where the driver only turns his head, and is read as he is, turned as he is.
 """
 
 from collections.abc import Sequence
@@ -23,15 +23,16 @@ MOUTH_SPREAD = 0.5
 """Standard deviation of what is added to each channel of an invented person's mouth, in that channel's own spread, for
 a mouth that moves as much as most do; for others in proportion. Channels go together otherwise on people's mouths than
 on avatars'; a regressor that knows the latter alone takes strangers' mouths for those of an avatar."""
-RESTING_LEAK_SPREAD = 1.0
+RESTING_LEAK_SPREAD = 1.6
 """How far the pose leak of other people differs from the mean, against that of the heads that are known, where their
-face does nothing else ..."""
+face does nothing else: farther, for these are few, and all shaped like avatars ..."""
 LEAK_SPREAD = 0.4
 """... and where it does: whoever doubts all that a turned head shows does not follow it, puckers and brows first."""
 AT_ONCE = 20_000
 """Moments are invented in parts of so many: all of them together would take twice the memory."""
-NOISE = {"mesh": 0.02, "gaze": 0.02, "measures": 0.03, "scores": 0.01, "mixer": 0.02}
-"""Standard deviation of the tracker's noise per block, in the block's unit."""
+NOISE = {"mesh": 0.01, "gaze": 0.01, "measures": 0.015, "scores": 0.005, "mixer": 0.02}
+"""Standard deviation of the tracker's noise per block, in the block's unit: about what third differences over the
+frames of people's clips say. With twice as much small jaws were taken for noise."""
 
 
 @dataclass(frozen=True)
@@ -56,9 +57,12 @@ class Crowd:
     rotations: Floats32
     """[S, 3] relative head rotation as the tracker reads it, radians."""
     wanted: Floats32
-    """[S, T] the compared channels, in tolerances, that an avatar which does the same shall show from the front."""
+    """[S, T] the compared channels, in tolerances, by which an avatar that does the same, and turns alike, shall differ
+    from itself at rest."""
     resting: NDArray[np.bool_]
     """[S] moments in which nothing but the head moves."""
+    turns: Floats32
+    """[S, 3] the true rotation, as far as it is known, radians."""
     acted: Floats32
     """[S, E] the control weights that these people act; NaN where nobody knows, or they stand for something else."""
 
@@ -66,18 +70,18 @@ class Crowd:
         return len(self.features)
 
 
-def from_the_front(person: Person) -> Floats32:
-    """[S, T] the channels of a person's pictures, in tolerances, relative to the neutral, had the head not turned.
+def expressed(person: Person) -> Floats32:
+    """[S, T] what the expressions of a person's pictures add to a face that is turned alike, in tolerances.
 
-    What the response says of the turn is taken off; what else is read, noise and all that the response does not know,
-    stays: on people, too, it is what is read that shall be followed. Only of a face at rest nothing stays.
+    What the response says that the turn adds to a face at rest is taken off; what else is read, noise and all that the
+    response does not know, stays: on people, too, it is what is read that shall be followed. Of a face at rest nothing
+    stays.
     """
     weights, rotations = torch.from_numpy(person.seen.weights), torch.from_numpy(person.seen.rotations)
-    still, front = torch.zeros(1, 3), torch.zeros(len(weights), 3)
+    rest = torch.zeros(1, weights.shape[1])
     with torch.no_grad():
-        rest = person.response(torch.zeros(1, weights.shape[1]), still)
-        turned = (person.response(weights, rotations) - person.response(weights, front) + rest).numpy()
-    channels = in_tolerances(person.seen.features) - turned
+        turned = person.response(rest.expand(len(weights), -1), rotations) - person.response(rest, torch.zeros(1, 3))
+    channels = in_tolerances(person.seen.features) - turned.numpy()
     return np.where(at_rest(person.seen.weights)[:, None], 0, channels).astype(np.float32)
 
 
@@ -103,15 +107,16 @@ def crowd(
     be the mean of the others'.
     """
     leaks = [pose_leak(person.seen) for person in people]
-    fronts = [from_the_front(person) for person in people]
+    expressions = [expressed(person) for person in people]
     sizes = [min(AT_ONCE, count - first) for first in range(0, count, AT_ONCE)]
     whose = np.repeat(np.arange(len(people)), [len(person.seen) if by_pictures else 1 for person in people])
-    parts = [_invented(people, whose, leaks, fronts, others, footage, size, rng) for size in sizes]
+    parts = [_invented(people, whose, leaks, expressions, others, footage, size, rng) for size in sizes]
     return Crowd(
         np.concatenate([part.features for part in parts]),
         np.concatenate([part.rotations for part in parts]),
         np.concatenate([part.wanted for part in parts]),
         np.concatenate([part.resting for part in parts]),
+        np.concatenate([part.turns for part in parts]),
         np.concatenate([part.acted for part in parts]),
     )
 
@@ -120,13 +125,13 @@ def _invented(
     people: Sequence[Person],
     whose: NDArray[np.int64],
     leaks: Sequence[Floats32],
-    fronts: Sequence[Floats32],
+    expressions: Sequence[Floats32],
     others: Leaks,
     footage: Floats32,
     count: int,
     rng: np.random.Generator,
 ) -> Crowd:
-    """``leaks`` and ``fronts`` are the people's, by ``pose_leak`` and ``from_the_front``; ``whose`` are places in
+    """``leaks`` and ``expressions`` are the people's, by ``pose_leak`` and ``expressed``; ``whose`` are places in
     ``people``, of which each is as likely."""
     which = whose[rng.integers(len(whose), size=count)]
     features = np.empty((count, DIMENSION), np.float32)
@@ -139,7 +144,7 @@ def _invented(
         picked = rng.integers(len(person.seen), size=len(rows))
         rotations[rows], seen_rotations[rows] = person.seen.rotations[picked], person.seen.seen_rotations[picked]
         features[rows] = person.seen.features[picked] - turned(rotations[rows]) @ leaks[index]
-        wanted[rows] = fronts[index][picked]
+        wanted[rows] = expressions[index][picked]
         resting[rows] = at_rest(person.seen.weights)[picked]
         if people[0].arkit and person.arkit:
             acted[rows] = person.seen.weights[picked]
@@ -151,7 +156,7 @@ def _invented(
         features[rows], seen_rotations[rows] = footage[picked, :DIMENSION], footage[picked, DIMENSION:]
         turn = turned(seen_rotations[rows]) @ others.mean
         wanted[rows] = in_tolerances(features[rows] - turn.astype(np.float32))
-        resting[rows], acted[rows] = False, np.nan
+        rotations[rows], resting[rows], acted[rows] = seen_rotations[rows], False, np.nan
     differing = _other_mouths(wanted, rng)
     features[:, channel_indices()] += differing * channel_tolerances()
     wanted += differing
@@ -162,7 +167,7 @@ def _invented(
     wanted *= gains[:, channel_indices()]
     for name, spread in NOISE.items():
         features[:, BLOCKS[name]] += rng.normal(0, spread, features[:, BLOCKS[name]].shape)
-    return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting, acted)
+    return Crowd(features.astype(np.float32), seen_rotations, wanted.astype(np.float32), resting, rotations, acted)
 
 
 def _other_mouths(wanted: Floats32, rng: np.random.Generator) -> Floats32:

@@ -9,23 +9,23 @@ import pytest
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 from gemheads.models.arkit import NAMES, PARTNERS  # noqa: E402
-from gemheads.models.driver.features import BLOCKS, DIMENSION  # noqa: E402
+from gemheads.models.driver.features import BLOCKS, DIMENSION, SCORE_NAMES, SCORES  # noqa: E402
 from gemheads.models.driver.measures import MEASURES  # noqa: E402
 from gemheads.models.train.regressors import closing  # noqa: E402
 from gemheads.models.train.regressors.channels import (  # noqa: E402
+    AGAPE_TOLERANCE,
     LIP_TOLERANCE,
-    MEASURE_TOLERANCE,
     PARTED,
     channel_indices,
     channel_tolerances,
 )
-from gemheads.models.train.regressors.closing import ClosedLoop, descend  # noqa: E402
-from gemheads.models.train.regressors.controls import controls_of  # noqa: E402
+from gemheads.models.train.regressors.closing import BELOW, ClosedLoop, descend  # noqa: E402
+from gemheads.models.train.regressors.controls import DEEPEST, UNBOUNDED, controls_of  # noqa: E402
 from gemheads.models.train.regressors.expressions import random_weights  # noqa: E402
 from gemheads.models.train.regressors.network import RegressorNetwork  # noqa: E402
 from gemheads.models.train.regressors.reduction import Reduction, principal_components  # noqa: E402
 from gemheads.models.train.regressors.response import HUBER, ResponseModel, Responses  # noqa: E402
-from gemheads.models.train.regressors.strangers import Crowd, Person, in_tolerances  # noqa: E402
+from gemheads.models.train.regressors.strangers import Crowd, Person, expressed, in_tolerances  # noqa: E402
 from gemheads.models.train.regressors.train_regressor import person_of  # noqa: E402
 from toygem import toy_gem  # noqa: E402
 
@@ -55,7 +55,7 @@ def scene() -> tuple[RegressorNetwork, Person, Crowd]:
     torch.manual_seed(0)
     network = RegressorNetwork(principal_components(features), controls_of(toy_gem()))
     unknown = np.full_like(weights, np.nan)
-    people = Crowd(features, seen.rotations, wanted, ~weights.any(1), unknown)
+    people = Crowd(features, seen.rotations, wanted, ~weights.any(1), seen.rotations, unknown)
     return network, Person(seen, answering(shapes)), people
 
 
@@ -84,9 +84,66 @@ def test_a_mouth_that_is_open_counts_less_for_being_wider(scene: tuple[Regressor
         return ClosedLoop(network, closed, replace(people, wanted=wanted)).mismatch() * len(channel_indices())
 
     # beyond HUBER tolerances each costs HUBER
-    assert mismatch(PARTED + MEASURE_TOLERANCE) - mismatch(PARTED) == pytest.approx(HUBER, rel=1e-3)
+    assert mismatch(PARTED + AGAPE_TOLERANCE) - mismatch(PARTED) == pytest.approx(HUBER, rel=1e-3)
     near = mismatch(PARTED) - mismatch(PARTED - LIP_TOLERANCE)
     assert near == pytest.approx(HUBER, rel=1e-3)
+
+
+class Turning(ResponseModel):
+    """A response of which a turned head shows half of the expression, and something of its own."""
+
+    def __init__(self, shapes: np.ndarray) -> None:
+        super().__init__(*shapes.shape)
+        self.shapes = torch.from_numpy(shapes)
+
+    def forward(self, weights: torch.Tensor, rotation: torch.Tensor) -> torch.Tensor:
+        aside = (rotation[:, 1:2].abs() > 0.1).float()
+        return weights @ self.shapes * (1 - aside / 2) + 20 * aside
+
+
+def test_an_avatar_is_judged_turned_as_its_driver_is(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    """Who drives himself is followed by what he acts, however much of it his turned head hides."""
+    network, avatar, people = scene
+    shapes = avatar.response.linear.weight[:, : len(NAMES)].T.numpy().copy()
+    turns = np.tile(np.array([[0, 0.3, 0], [0, 0, 0]], "f4"), (COUNT // 2, 1))
+    weights = torch.from_numpy(avatar.seen.weights)
+    response = Turning(shapes).requires_grad_(False)
+    rest = response(torch.zeros(1, len(NAMES)), torch.zeros(1, 3))
+    features = np.zeros((COUNT, DIMENSION), "f4")
+    features[:, channel_indices()] = (response(weights, torch.from_numpy(turns)) - rest).numpy() * channel_tolerances()
+    himself = Person(replace(avatar.seen, rotations=turns, features=features), response)
+    wanted = expressed(himself)
+
+    class Actor(RegressorNetwork):
+        def weights(self, features: torch.Tensor, rotation: torch.Tensor) -> torch.Tensor:
+            return weights
+
+    actor = Actor(Reduction(network.feature_mean.numpy(), network.projection.numpy()), controls_of(toy_gem()))
+    actor.least.fill_(UNBOUNDED)  # whatever falls is followed
+    seen = replace(people, features=features, rotations=turns, wanted=wanted, turns=turns)
+    assert ClosedLoop(actor, himself, seen).mismatch([actor]) < 1e-5
+    facing = replace(seen, turns=np.zeros_like(turns))
+    assert ClosedLoop(actor, himself, facing).mismatch([actor]) > 0.1
+
+
+def test_what_falls_below_what_is_heeded_is_asked_for_in_part(scene: tuple[RegressorNetwork, Person, Crowd]) -> None:
+    network, avatar, people = scene
+    still = replace(avatar, response=answering(np.zeros((len(NAMES), people.wanted.shape[1]), "f4")))
+    gaze = SCORES.start + SCORE_NAMES.index("eyeLookDownLeft")  # is heeded however far it falls
+
+    def mismatch(channel: int, relative: float) -> float:
+        wanted = np.zeros_like(people.wanted)
+        place = list(channel_indices()).index(channel)
+        wanted[:, place] = relative / channel_tolerances()[place]
+        return ClosedLoop(network, still, replace(people, wanted=wanted)).mismatch()
+
+    pucker = SCORES.start + SCORE_NAMES.index("mouthPucker")
+    assert mismatch(pucker, -DEEPEST) == pytest.approx(mismatch(pucker, DEEPEST), rel=1e-4)
+    deeper = -DEEPEST - 0.04
+    assert mismatch(pucker, deeper) == pytest.approx(mismatch(pucker, DEEPEST + BELOW * 0.04), rel=1e-4)
+    assert mismatch(pucker, deeper) < 0.8 * mismatch(pucker, -deeper)
+    assert mismatch(gaze, -0.3) == pytest.approx(mismatch(gaze, 0.3), rel=1e-4)
+    assert np.isfinite(mismatch(BLOCKS["measures"].start + MEASURES.index("lip_gap"), -0.4))
 
 
 def test_what_follows_best_is_found_without_a_network(

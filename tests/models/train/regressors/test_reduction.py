@@ -8,7 +8,7 @@ from gemheads.models.driver.measures import MEASURES
 torch = pytest.importorskip("torch", reason="training needs the extra gemheads[train]")
 
 from gemheads.models.train.regressors.channels import (  # noqa: E402
-    MEASURE_TOLERANCE,
+    AGAPE_TOLERANCE,
     PARTED,
     channel_indices,
     channel_tolerances,
@@ -62,14 +62,15 @@ def test_channels_and_tolerances_go_together() -> None:
     assert not set(indices) & set(range(BLOCKS["mixer"].start, BLOCKS["mixer"].stop))
 
 
-def test_lips_that_part_count_as_much_as_brows_and_wide_open_ones_as_other_distances() -> None:
+def test_lips_that_part_count_more_finely_than_those_that_are_wide_open() -> None:
     lips = list(channel_indices()).index(BLOCKS["measures"].start + MEASURES.index("lip_gap"))
     tolerance = channel_tolerances()[lips]
     gaps = torch.zeros(6, len(channel_indices()))
-    gaps[:, lips] = torch.tensor([-0.1, 0.0, PARTED, PARTED + 0.12, PARTED + 1.2, -PARTED - 1.2]) / tolerance
+    gaps[:, lips] = torch.tensor([-0.1, 0.0, PARTED, PARTED + AGAPE_TOLERANCE, PARTED + 1.2, -PARTED - 1.2]) / tolerance
     counted = felt(gaps)[:, lips].numpy()
+    assert tolerance < AGAPE_TOLERANCE
     near = PARTED / tolerance
-    wide = 1.2 / MEASURE_TOLERANCE
+    wide = 1.2 / AGAPE_TOLERANCE
     np.testing.assert_allclose(counted, [-0.1 / tolerance, 0, near, near + 1, near + wide, -near - wide], rtol=1e-5)
     rng = np.random.default_rng(0)
     others = torch.from_numpy(rng.normal(0, 9, (40, len(channel_indices()))).astype("f4"))

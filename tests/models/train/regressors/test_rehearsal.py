@@ -30,7 +30,7 @@ def test_a_rehearsal_draws_what_is_answered(monkeypatch: pytest.MonkeyPatch) -> 
     network = network_of(controls)
     features, rotations = relative_features(400, 3), rng.normal(0, 0.2, (400, 3)).astype("f4")
     unknown = np.full((400, len(NAMES)), np.nan, "f4")
-    audience = Crowd(features, rotations, np.zeros((400, 1), "f4"), np.zeros(400, np.bool_), unknown)
+    audience = Crowd(features, rotations, np.zeros((400, 1), "f4"), np.zeros(400, np.bool_), rotations, unknown)
     drawn: list[Responses] = []
     sittings: list[Sitting] = []
 
@@ -58,7 +58,7 @@ def test_a_regressor_is_remembered_as_the_network_it_was() -> None:
     controls = controls_of(gem)
     network = network_of(controls)
     front, wanted, unknown = np.zeros((30, 3), "f4"), np.zeros((30, 1), "f4"), np.full((30, len(NAMES)), np.nan, "f4")
-    audience = Crowd(relative_features(30, 3), front, wanted, np.zeros(30, np.bool_), unknown)
+    audience = Crowd(relative_features(30, 3), front, wanted, np.zeros(30, np.bool_), front, unknown)
     regressor = Regressor(export_onnx([network]), gem.coefficient_count)
     found, given = (
         controls.coefficients(weights)

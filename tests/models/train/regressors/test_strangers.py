@@ -18,7 +18,7 @@ from gemheads.models.train.regressors.strangers import (
     Crowd,
     Person,
     crowd,
-    from_the_front,
+    expressed,
     in_tolerances,
 )
 from linearperson import linear_person
@@ -45,7 +45,7 @@ def test_a_crowd_invented_in_parts_is_as_large_and_as_varied(monkeypatch: pytest
     person = linear_person(*(rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3)))
     monkeypatch.setattr(strangers, "AT_ONCE", 60)
     people = crowd([person], alone(person), np.empty((0, DIMENSION + 3), "f4"), 200, rng)
-    assert [len(array) for array in vars(people).values()] == [200] * 5
+    assert [len(array) for array in vars(people).values()] == [200] * 6
     assert len(np.unique(people.features, axis=0)) == 200
 
 
@@ -88,12 +88,12 @@ def test_what_shall_be_followed_is_free_of_the_turn_of_the_head() -> None:
     rng = np.random.default_rng(0)
     shapes, leak = (rng.normal(size=(rows, DIMENSION)).astype("f4") for rows in (len(NAMES), 3))
     person = linear_person(shapes, leak)
-    wanted = from_the_front(person)
+    wanted = expressed(person)
     np.testing.assert_allclose(wanted, in_tolerances(person.seen.weights @ shapes), atol=2e-2)
     assert np.abs(in_tolerances(person.seen.features) - wanted).max() > 10
     seen = person.seen
     turning = replace(seen, weights=np.full_like(seen.weights, 1e-6), features=seen.rotations @ leak)  # hardly at rest
-    np.testing.assert_allclose(from_the_front(Person(turning, person.response)), 0, atol=2e-2)
+    np.testing.assert_allclose(expressed(Person(turning, person.response)), 0, atol=2e-2)
     footage = np.concatenate([turning.features, turning.rotations], 1)
     people = crowd([Person(turning, person.response)], alone(person), footage, 500, rng)
     assert np.abs(people.wanted).max() < 0.1 * np.abs(in_tolerances(people.features)).max()
@@ -126,6 +126,8 @@ def test_people_turn_as_they_are_read_and_leak_as_they_turn() -> None:
     others, nobody = Leaks(rng.normal(size=(3, TERMS, DIMENSION)).astype("f4")), np.empty((0, DIMENSION + 3), "f4")
     plain, read = (crowd([one], others, nobody, 200, np.random.default_rng(3)) for one in (person, nodding))
     np.testing.assert_allclose(read.rotations - plain.rotations, 0.07, atol=1e-6)
+    np.testing.assert_array_equal(read.turns, plain.turns)
+    np.testing.assert_array_equal(plain.turns, plain.rotations)
     np.testing.assert_array_equal(read.features, plain.features)
     np.testing.assert_array_equal(read.wanted, plain.wanted)
 
@@ -154,7 +156,7 @@ def test_of_a_face_at_rest_nothing_is_followed() -> None:
     read = person.seen.features + rng.normal(0, 1, person.seen.features.shape).astype("f4")
     weights = np.where(rest[:, None], 0, np.maximum(person.seen.weights, 1e-3))
     someone = replace(person, seen=replace(person.seen, weights=weights, features=read))
-    wanted = from_the_front(someone)
+    wanted = expressed(someone)
     assert (wanted[rest] == 0).all()
     assert (np.abs(wanted[~rest]).max(1) > 1).all()
     people = crowd([someone], alone(someone), np.empty((0, DIMENSION + 3), "f4"), 800, rng)
