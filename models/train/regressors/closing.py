@@ -33,8 +33,8 @@ EXCESS = 20.0
 """Price of a weight beyond its bounds."""
 BELOW = 0.5
 """Share of what falls deeper below people's rest than networks heed (``Controls.least``) that avatars shall follow.
-Their own rests read as next to nothing, so that they hardly can: with all of it counted, grins that take back a pucker
-kept lips and jaw from parting; with none of it, puckers were followed less."""
+Their own rests read as next to nothing, so that they hardly can, and what they pay for it other channels lack; with
+none of it, puckers were followed less."""
 LABELS = 1.0
 """Price of missing the known weights on the avatar's own pictures."""
 STRIDE, STRIDES = 0.1, 120
@@ -148,7 +148,7 @@ class ClosedLoop:
 def _eased(wanted: Tensor, least: Tensor) -> Tensor:
     """Channels [S, T], in tolerances, with what of them is below the ``least`` [D] that is heeded cut to BELOW."""
     heeded = least[torch.from_numpy(channel_indices())] / torch.from_numpy(channel_tolerances())
-    heeded = heeded.clamp(min=UNBOUNDED)  # by a tolerance, float32's least number is none: half of -inf is no share
+    heeded = heeded.clamp(min=UNBOUNDED)  # by a tolerance below 1 it is -inf, of which there is no share
     return torch.where(wanted < heeded, heeded + BELOW * (wanted - heeded), wanted)
 
 

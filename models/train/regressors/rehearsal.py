@@ -19,7 +19,7 @@ from .series import draw_series, in_series
 from .strangers import Crowd
 
 FRONTAL_SHARE = 0.4
-"""So many are drawn from the front: what an expression adds there, turned ones add about as well."""
+"""So many are drawn from the front, as most people sit before their cameras."""
 UNREST, UNREST_SHARE = 0.06, 0.7
 """Standard deviation by which weights are moved, and in how many pictures: what leads away from an answer must be
 known, too."""

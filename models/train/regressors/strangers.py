@@ -31,8 +31,7 @@ LEAK_SPREAD = 0.4
 AT_ONCE = 20_000
 """Moments are invented in parts of so many: all of them together would take twice the memory."""
 NOISE = {"mesh": 0.01, "gaze": 0.01, "measures": 0.015, "scores": 0.005, "mixer": 0.02}
-"""Standard deviation of the tracker's noise per block, in the block's unit: about what third differences over the
-frames of people's clips say. With twice as much small jaws were taken for noise."""
+"""Standard deviation of the tracker's noise per block, in the block's unit. Twice as much would be a fifth of a small jaw."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ class Crowd:
     resting: NDArray[np.bool_]
     """[S] moments in which nothing but the head moves."""
     turns: Floats32
-    """[S, 3] the true rotation, as far as it is known, radians."""
+    """[S, 3] the rotation that was drawn, radians; of footage, the one that is read."""
     acted: Floats32
     """[S, E] the control weights that these people act; NaN where nobody knows, or they stand for something else."""
 
