@@ -31,7 +31,8 @@ LEAK_SPREAD = 0.4
 AT_ONCE = 20_000
 """Moments are invented in parts of so many: all of them together would take twice the memory."""
 NOISE = {"mesh": 0.01, "gaze": 0.01, "measures": 0.015, "scores": 0.005, "mixer": 0.02}
-"""Standard deviation of the tracker's noise per block, in the block's unit. Twice as much would be a fifth of a small jaw."""
+"""Standard deviation of the tracker's noise per block, in the block's unit. Twice as much would be a fifth of a
+small jaw."""
 
 
 @dataclass(frozen=True)
