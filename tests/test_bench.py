@@ -41,6 +41,7 @@ SMALL = {
     "reread": "{mara} {clip} --every 1 --components 5",
     "shapes": "{mara}",
     "sides": "{clip} --heads {mara}",
+    "sizes": "{clip} --avatars {mara} --cache {out}",
     "tracker_speed": "{clip} --height 120 --frames 3",
 }
 SMALLER: dict[str, dict[str, object]] = {
@@ -48,6 +49,7 @@ SMALLER: dict[str, dict[str, object]] = {
     "mouths": {"EVERY": 1, "WHOLE": ("jawOpen",), "BARED": -1.0, "SMILING": -1.0, "SHUT": 2.0, "AJAR": (-1.0, 2.0)},
     "shapes": {"SHAPES": ("jawOpen",)},
     "sides": {"EVERY": 1, "FEWEST": 3},
+    "sizes": {"EVERY": 1, "SIZES": (128,), "SCALES": (1.0,)},
 }
 """Constants of theirs."""
 

@@ -21,10 +21,12 @@ from ..threads import one_torch_thread
 from .controls import Controls
 from .headshape import HeadShape
 
-PICTURE_SIZE = 320
+PICTURE_SIZE = 384
+"""Pixels, as the closed loop draws: in smaller pictures splats spread further over a face, and lips that hardly part
+are read as closed (tests/bench/sizes.py)."""
 FOV_DEG = 20.0
-HEAD_SHARE = 0.62
-"""How much of the picture's height the head fills."""
+HEAD_SHARE = 0.65
+"""How much of the picture's height the head fills; the same as there."""
 POSE_SPREAD = np.radians([9.0, 13.0, 6.0])
 """Standard deviations of pitch, yaw and roll of the training pictures, radians."""
 RESTING_SPREAD = 1.3
