@@ -15,7 +15,7 @@ from .reading import Reading, read
 
 LOOKS = 4
 """At a still picture, until the tracker's region has settled."""
-_HEAD_SHARE = 0.65
+HEAD_SHARE = 0.65
 """Of the picture's height: the portrait that people get."""
 FOV_DEG = 20.0
 _BACKGROUND = (0.75, 0.75, 0.75)
@@ -32,7 +32,7 @@ class Mirror:
         """``size`` is the side of the picture in pixels, ``fov_deg`` the camera's field of view: the wider, the nearer
         is the head."""
         viewing = gem.viewing
-        distance = viewing.head_height / _HEAD_SHARE / (2 * np.tan(np.radians(fov_deg) / 2))
+        distance = viewing.head_height / HEAD_SHARE / (2 * np.tan(np.radians(fov_deg) / 2))
         self.gem = gem
         self._camera = orbit(viewing.target, distance, 0, 0, fov_deg, size, size)
         self._engine = SoftwareEngine()

@@ -12,6 +12,7 @@ from ....render.camera import Camera, orbit
 from ....render.compositing import over
 from ....render.gaussians import RawGaussians
 from ....render.software import SoftwareEngine
+from ...crossing.mirror import FOV_DEG, HEAD_SHARE
 from ...driver.axes import drawn_turn
 from ...driver.face import FaceObservation, FaceTracker
 from ...driver.features import DIMENSION, feature_vector, head_rotation, rotation_in_camera
@@ -24,9 +25,6 @@ from .headshape import HeadShape
 PICTURE_SIZE = 384
 """Pixels, as the closed loop draws: in smaller pictures splats spread further over a face, and lips that hardly part
 are read as closed (tests/bench/sizes.py)."""
-FOV_DEG = 20.0
-HEAD_SHARE = 0.65
-"""How much of the picture's height the head fills; the same as there."""
 POSE_SPREAD = np.radians([9.0, 13.0, 6.0])
 """Standard deviations of pitch, yaw and roll of the training pictures, radians."""
 RESTING_SPREAD = 1.3
