@@ -18,6 +18,12 @@ JAW_DROP = 0.34
 """Decimetres that jawOpen lowers the lower lip; the share of it says how far a point belongs to that lip."""
 LIP_ENDS, CHIN_BEGINS = 0.65, 1.4
 """Half widths of the mouth below its corners: down to here it is the lower lip, and from here on the chin."""
+LEVEL = (1.1, 0.8, 0.55)
+"""What a level upper lip does of MakeHuman's motion in its middle and beside it, and from how many half widths of the
+mouth on it is beside."""
+BOWL = (0.85, 1.25, 0.76, 0.22)
+"""What a lower lip like a bowl does of MakeHuman's motion in its middle and beside it; where that is, and how wide, in
+half widths of the mouth."""
 WALL = 0.028
 """Decimetres by which the mouth's walls are drawn back."""
 
@@ -75,6 +81,26 @@ def lip_alone(body: Floats, chin_follows: float) -> Floats:
     return 1 - (1 - chin_follows) * down**2 * (3 - 2 * down)
 
 
+def level(body: Floats, share: float) -> Floats:
+    """[V] shares of MakeHuman's mouthUpperUp that stay on the base mesh ``body`` [V, 3], with ``share`` in [0, 1] of
+    what makes the upper lip level when both its halves rise with the corners of a smile.
+
+    MakeHuman's halves rise most between middle and corner: the edge of a lip in a grin was an M, as a snarl's is.
+    """
+    x, _, _ = _from_corners(body)
+    middle, beside, begins = LEVEL
+    out = np.clip(np.abs(x) / begins, 0, 1)
+    return _beside_mouth(body, middle + (beside - middle) * out**2 * (3 - 2 * out), share)
+
+
+def bowl(body: Floats, share: float) -> Floats:
+    """[V] shares of MakeHuman's mouthLowerDown that stay on the base mesh ``body`` [V, 3], with ``share`` in [0, 1] of
+    what makes the edge of the lower lip in a grin round; MakeHuman's was a V."""
+    x, _, _ = _from_corners(body)
+    middle, beside, at, wide = BOWL
+    return _beside_mouth(body, middle + (beside - middle) * np.exp(-(((np.abs(x) - at) / wide) ** 2)), share)
+
+
 def pursed(shape: Purse, unit: Floats, body: Floats, jaw_open: Floats) -> Floats:
     """MakeHuman's displacement ``unit`` [V, 3] of the base mesh ``body`` [V, 3], with the lips pursed; decimetres.
 
@@ -90,6 +116,12 @@ def pursed(shape: Purse, unit: Floats, body: Floats, jaw_open: Floats) -> Floats
     upward = upward + shape.full * body[CORNER, 0] * y * lips
     ahead = shape.forward * near * np.exp(-(x**2))
     return unit * np.array([1, shape.kept, 1]) + np.stack([across, upward, ahead], 1)
+
+
+def _beside_mouth(body: Floats, factor: Floats, share: float) -> Floats:
+    """[V] ``factor`` [V] at the lips, 1 far from them, and ``share`` of the way from 1 to it."""
+    _, y, depth = _from_corners(body)
+    return 1 + share * (factor - 1) * np.exp(-((y / 0.85) ** 4)) * np.clip(1.6 - depth / 0.2, 0, 1)
 
 
 def _from_corners(body: Floats) -> tuple[Floats, Floats, Floats]:

@@ -78,6 +78,9 @@ class Person:
     chin_follows: float = 1.0
     """How much of MakeHuman's lowered lower lip its chin does, 0..1: with all of it the face tracker takes a grin for a
     jaw that opens; people's chins stand still. Lin and Ada were recorded with all of it."""
+    round_grin: float = 0.0
+    """How level the upper lip and how round the lower one is that bares teeth, 0..1 (``lips.level``, ``lips.bowl``):
+    MakeHuman's grin snarls, least with lips as even as Jonah's. Lin and Ada were recorded so."""
 
 
 def _both(path: str, weight: float) -> dict[str, float]:
@@ -146,9 +149,10 @@ MARA = Person(
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.25, "mouthSmileRight": 0.25}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
-    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.5, "mouthLowerDown": 2.0, "browDown": 1.25})
+    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.75, "mouthLowerDown": 2.1, "browDown": 1.25})
     | {"browInnerUp": 1.2},
     chin_follows=0.1,
+    round_grin=1.0,
 )
 
 THEO = Person(
@@ -180,9 +184,10 @@ THEO = Person(
     # so was his: half of one read as hardly one; and as low as brows are with less they read as lowered
     | {"mouthSmileLeft": 0.12, "mouthSmileRight": 0.12, "mouthPucker": 0.25}
     | {"browInnerUp": 0.15, "browOuterUpLeft": 0.42, "browOuterUpRight": 0.42},
-    gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthLowerDown": 2.0, "mouthFrown": 1.6})
+    gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthLowerDown": 2.1, "mouthFrown": 1.6})
     | {"browInnerUp": 1.25, "mouthPucker": 1.0},
     chin_follows=0.1,
+    round_grin=1.0,
 )
 
 JONAH = Person(

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ...render.arrays import Floats
 from ..arkit import NAMES
 from .ingredients import Ingredients
-from .lips import PURSES, arching, lip_alone, pursed
+from .lips import PURSES, arching, bowl, level, lip_alone, pursed
 from .mesh import load_target
 from .people import Person
 
@@ -46,7 +46,7 @@ def face_units(
     # before smiles are stretched: at rest the corners are lifted, not drawn apart
     rest = sum((weight * units[NAMES.index(name)] for name, weight in person.rest.items()), np.zeros_like(body))
     _stretch_smiles(units)
-    _keep_chin(units, body, person)
+    _bare_teeth(units, body, person)
     return units, rest
 
 
@@ -76,7 +76,9 @@ def _stretch_smiles(units: Floats) -> None:
         )
 
 
-def _keep_chin(units: Floats, body: Floats, person: Person) -> None:
-    """A lower lip goes down without the chin, in place."""
+def _bare_teeth(units: Floats, body: Floats, person: Person) -> None:
+    """Lips that part are round, and a lower one goes down without the chin, in place."""
     for side in SIDES:
-        units[NAMES.index(f"mouthLowerDown{side}")] *= lip_alone(body, person.chin_follows)[:, None]
+        units[NAMES.index(f"mouthUpperUp{side}")] *= level(body, person.round_grin)[:, None]
+        lower = lip_alone(body, person.chin_follows) * bowl(body, person.round_grin)
+        units[NAMES.index(f"mouthLowerDown{side}")] *= lower[:, None]

@@ -1,8 +1,20 @@
-"""An open mouth is an arch, pursed lips are narrow and forward; little light reaches teeth far behind the lips."""
+"""An open mouth is an arch, pursed lips are narrow and forward, bared teeth lie under a level lip and in a round one;
+little light reaches teeth far behind the lips."""
 
 import numpy as np
 import pytest
-from gemheads.models.heads.lips import CORNER, LOWER, MIDDLE, PURSES, arching, lip_alone, mouth_light, pursed
+from gemheads.models.heads.lips import (
+    CORNER,
+    LOWER,
+    MIDDLE,
+    PURSES,
+    arching,
+    bowl,
+    level,
+    lip_alone,
+    mouth_light,
+    pursed,
+)
 
 BODY = np.zeros((CORNER + 1, 3))
 BODY[CORNER] = (0.25, -0.66, 0.19)
@@ -62,6 +74,44 @@ def test_a_lip_goes_down_alone() -> None:
     assert (np.diff(stays) <= 0).all()
     assert -np.diff(stays).min() < 0.2, "no fold in between"
     assert (lip_alone(body, 1.0) == 1).all()
+
+
+ACROSS = np.linspace(-1, 1, 21)
+"""Along a lip, in half widths of the mouth."""
+
+
+def lip() -> np.ndarray:
+    """The body with a lip from corner to corner, its first points; its last is a cheek."""
+    body = BODY.copy()
+    body[: len(ACROSS)] = np.stack([BODY[CORNER, 0] * ACROSS, np.full(21, -0.66), np.full(21, 0.3)], 1)
+    return np.concatenate([body, BODY[CHEEK][None]])
+
+
+def test_an_upper_lip_rises_level() -> None:
+    """MakeHuman's rises most between middle and corner, as the lip of one who snarls; smiles lift the corners."""
+    rises = np.interp(np.abs(ACROSS), [0, 0.5, 1.0], [11.0, 13.4, 7.0])
+    smiles = np.interp(np.abs(ACROSS), [0, 1], [1.7, 8.3])
+    inside = np.abs(ACROSS) < 0.75
+
+    def uneven(share: float) -> float:
+        return float(np.ptp((level(lip(), share)[:21] * rises + smiles)[inside]))
+
+    assert uneven(1.0) < 0.4 * uneven(0.0)
+    assert level(lip(), 1.0)[-1] == pytest.approx(1, abs=0.02), "the cheek does as before"
+
+
+def test_a_lower_lip_is_a_bowl() -> None:
+    shares = bowl(lip(), 1.0)[:21]
+    assert shares[10] < 0.9
+    assert shares[[3, 17]].min() > 1.25, "beside the middle it goes further down"
+    assert shares[[0, 20]].max() < shares[3], "and less so at the corners"
+    np.testing.assert_allclose(shares, shares[::-1])
+    assert bowl(lip(), 1.0)[-1] == pytest.approx(1, abs=0.02)
+
+
+def test_without_round_grins_shapes_are_makehumans() -> None:
+    assert (level(lip(), 0.0) == 1).all()
+    assert (bowl(lip(), 0.0) == 1).all()
 
 
 def test_light_grows_with_the_opening_and_fades_with_depth() -> None:

@@ -15,6 +15,7 @@ from gemheads.models.gem import Gem
 from gemheads.models.gemfile import load_gem
 from gemheads.models.heads.expressions import weights_of
 from gemheads.models.heads.ingredients import find_ingredients
+from gemheads.models.heads.slivers import GRINS, MOST
 from gemheads.models.registry import default_cache
 from gemheads.render.camera import orbit
 from gemheads.render.software import SoftwareEngine
@@ -174,6 +175,25 @@ def test_a_grin_lowers_the_lip_and_not_the_chin(name: str) -> None:
     assert lowered > 1.4 * (score(grin, "jawOpen") - score(rest, "jawOpen"))
     change = measure(grin.metric_mesh) - measure(rest.metric_mesh)
     assert change[MEASURES.index("jaw_drop")] < 0.4
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_grin_is_no_snarl(name: str) -> None:
+    """The edge of the upper lip beside its middle and at its ends, over the middle. On two people who grin: .4 to .9 mm
+    and -1.6 to -1.0."""
+    mesh = seen(photo(avatar(name), mouthSmile=0.8, mouthUpperUp=0.8, mouthLowerDown=0.8)).metric_mesh
+    beside, ends = (10 * (mesh[sides, 1].mean() - mesh[13, 1]) for sides in ([80, 310], [78, 308]))
+    assert 0 < beside < 1.15
+    assert ends < 0.8
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_splat_becomes_a_needle_in_a_grin(name: str) -> None:
+    gem = avatar(name)
+    sizes = gem.compose(gem.rest_coefficients).log_scales.copy()
+    for weights in GRINS:
+        change = gem.compose(gem.arkit_coefficients(weights)).log_scales - sizes
+        assert np.exp(change.max()) < 1.1 * MOST
 
 
 @pytest.mark.parametrize("name", NAMES)
