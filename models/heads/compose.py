@@ -79,7 +79,7 @@ def importance(shader: Shader, seen: NDArray[np.bool_]) -> Floats:
     density *= 1 - 0.35 * np.clip(canvas[:, 1] / 0.06, 0, 1)
     density = np.where(shader.scalp[corners].mean(1) > 0.6, 0.28, density)
     collar = collar_height(position)
-    density = np.where(collar < 0, 0.2, density) + 2.5 * np.exp(-((collar / 0.006) ** 2))
+    density = np.where(collar < 0, 0.2, density) + shader.person.neckline * np.exp(-((collar / 0.006) ** 2))
     wall = sample_map(shader.maps.mouth, uv)[:, 0] > 0.5
     red = cKDTree(canvas[skin & (sample_map(shader.maps.lips, uv)[:, 0] > 0.5)])
     density[wall] = 0.5 + WALL_AT_LIPS * np.exp(-((red.query(canvas[wall])[0] / BEHIND_LIPS_M) ** 4))

@@ -69,6 +69,8 @@ class Person:
     """0..1"""
     wrinkles: float = 0.0
     """0..1"""
+    neckline: float = 2.0
+    """Relative density that splats gain along the neckline: the more, the cleaner is its edge."""
     shirt: Rgb = (0.13, 0.14, 0.16)
     """Colour of the T-shirt, sRGB."""
     rest: dict[str, float] = field(default_factory=dict)
@@ -141,6 +143,7 @@ MARA = Person(
     splats=23_400,
     enamel=1.35,
     freckles=0.6,
+    neckline=2.5,
     brow_lift=0.0042,  # with less she looked angry at rest, and so did her smiles
     # a wide mouth at rest was far from any kiss: a quarter of a pucker read as none; in one close to the nose a jaw
     # read as shut until it was well open, and one that stands lower smiles less with the corners where they were; for a
@@ -149,7 +152,8 @@ MARA = Person(
     | {"eyeWideLeft": 0.30, "eyeWideRight": 0.30, "mouthSmileLeft": 0.25, "mouthSmileRight": 0.25}
     | {"browOuterUpLeft": 0.0, "browOuterUpRight": 0.0}
     | {"mouthClose": 0.07, "mouthRollUpper": 0.1, "mouthPucker": 0.1},
-    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.75, "mouthLowerDown": 2.1, "browDown": 1.25})
+    gain=_paired({"mouthSmile": 0.955, "mouthFrown": 1.6, "mouthUpperUp": 1.75, "mouthLowerDown": 2.1})
+    | _paired({"browDown": 1.25})
     | {"browInnerUp": 1.2},
     chin_follows=0.1,
     round_grin=1.0,
@@ -179,6 +183,7 @@ THEO = Person(
     enamel=1.15,
     stubble=0.45,
     wrinkles=1.0,
+    neckline=2.5,
     brow_lift=0.002,
     rest=RELAXED
     # so was his: half of one read as hardly one; and as low as brows are with less they read as lowered
