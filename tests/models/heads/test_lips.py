@@ -103,7 +103,7 @@ def test_an_upper_lip_rises_level() -> None:
 def test_a_lower_lip_is_a_bowl() -> None:
     shares = bowl(lip(), 1.0)[:21]
     assert shares[10] < 0.9
-    assert shares[[3, 17]].min() > 1.25, "beside the middle it goes further down"
+    assert shares[[3, 17]].min() > 1.4 * shares[10], "beside the middle it goes further down"
     assert shares[[0, 20]].max() < shares[3], "and less so at the corners"
     np.testing.assert_allclose(shares, shares[::-1])
     assert bowl(lip(), 1.0)[-1] == pytest.approx(1, abs=0.02)
