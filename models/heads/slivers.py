@@ -10,7 +10,7 @@ from .expressions import weights_of
 
 MOST = 4.0
 """Times its size at rest that a splat may grow. On the mesh it is 3 (``splats.posed``); but log-scales of a smile and
-of two lips that part add up, and at the corner of a mouth a splat became a needle a centimetre long."""
+of two lips that part add up, and at the corners of mouths splats became needles."""
 GRINS = (
     weights_of(mouthSmile=1, mouthUpperUp=1, mouthLowerDown=1),
     weights_of(mouthSmile=1, mouthUpperUp=1, mouthLowerDown=1, jawOpen=0.2),
