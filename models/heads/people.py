@@ -80,6 +80,9 @@ class Person:
     chin_follows: float = 1.0
     """How much of MakeHuman's lowered lower lip its chin does, 0..1: with all of it the face tracker takes a grin for a
     jaw that opens; people's chins stand still. Lin and Ada were recorded with all of it."""
+    lids_follow: float = 0.0
+    """How far lids go down with eyes that look down, 0..1 (``units.LIDS_DOWN``); Lin and Ada were recorded so, and Mara
+    and Jonah were made so."""
     round_grin: float = 0.0
     """How level the upper lip and how round the lower one is that bares teeth, 0..1 (``lips.level``, ``lips.bowl``):
     MakeHuman's grin snarls, least with lips as even as Jonah's. Lin and Ada were recorded so."""
@@ -181,6 +184,7 @@ THEO = Person(
     seed=23,
     lip=(0.60, 0.40, 0.36),
     enamel=1.15,
+    even_eyes=1.0,
     stubble=0.45,
     wrinkles=1.0,
     neckline=2.5,
@@ -192,6 +196,7 @@ THEO = Person(
     gain=_paired({"browOuterUp": 1.4, "browDown": 1.5, "mouthUpperUp": 2.1, "mouthLowerDown": 2.1, "mouthFrown": 1.6})
     | {"browInnerUp": 1.25, "mouthPucker": 1.0},
     chin_follows=0.1,
+    lids_follow=1.0,
     round_grin=1.0,
 )
 

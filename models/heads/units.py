@@ -26,8 +26,11 @@ SMILE = {"mouthSmile": 0.8, "mouthStretch": 0.7, "mouthDimple": 0.4, "cheekSquin
 """What a smile is made of. MakeHuman's lifts the corners more than it draws them apart: .7 and 1.0 cm wider than at
 rest, .5 and .95 cm higher, where people to whom the tracker gives .63 and .87 of a smile have 1.0 and 1.6, .4 and .8.
 ``tests/bench/mouths.py`` measures people, and the avatars that this makes."""
-LID_FOLLOWS = {"eyeLookUp": ("eyeWide", 0.6)}
-"""Shape -> what it borrows, and how much: eyes that look up raise the lids, which MakeHuman's shape hardly does."""
+LIDS_UP = {"eyeWide": 0.6}
+"""What eyes that look up borrow, and how much: they raise the lids, which MakeHuman's shape hardly does."""
+LIDS_DOWN = {"eyeSquint": -1.0, "eyeBlink": 0.2}
+"""The same of eyes that look down. MakeHuman's lower lids stay up and hide the irises, its upper ones stay behind: an
+avatar looked down with its lids, and where it looked to the side then was not seen any more."""
 SIDES = ("Left", "Right")
 
 
@@ -41,20 +44,21 @@ def face_units(
     folder = ingredients.face_units
     units = np.stack([load_target(folder / f"{name}.target", len(body)) for name in NAMES])
     units *= np.array([GAIN.get(name, 1.0) * person.gain.get(name, 1.0) for name in NAMES])[:, None, None]
-    _raise_lids(units)
+    _carry_lids(units, person.lids_follow)
     _round_mouth(units, body, is_flesh)
+    _bare_teeth(units, body, person)
     # before smiles are stretched: at rest the corners are lifted, not drawn apart
     rest = sum((weight * units[NAMES.index(name)] for name, weight in person.rest.items()), np.zeros_like(body))
     _stretch_smiles(units)
-    _bare_teeth(units, body, person)
     return units, rest
 
 
-def _raise_lids(units: Floats) -> None:
-    """Lids follow the eyes, in place."""
+def _carry_lids(units: Floats, down: float) -> None:
+    """Lids follow the eyes, ``down`` in [0, 1] as far as people's, in place."""
     for side in SIDES:
-        for name, (lent, share) in LID_FOLLOWS.items():
-            units[NAMES.index(name + side)] += share * units[NAMES.index(lent + side)]
+        for name, borrowed, follow in (("eyeLookUp", LIDS_UP, 1.0), ("eyeLookDown", LIDS_DOWN, down)):
+            for lent, share in borrowed.items():
+                units[NAMES.index(name + side)] += follow * share * units[NAMES.index(lent + side)]
 
 
 def _round_mouth(units: Floats, body: Floats, is_flesh: NDArray[np.bool_]) -> None:

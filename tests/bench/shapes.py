@@ -1,12 +1,13 @@
 """How the tracker reads an avatar's single shapes, drawn from nothing to full, whether lids that fall turn its eyes,
-and how far its lips stand apart at rest.
+whether eyes that look down still look aside, and how far its lips stand apart at rest.
 
     python tests/bench/shapes.py [AVATAR.gem ...]
 
 A shape that reads as nothing over half its way, and as all of itself soon after, cannot be steered: from the first
 table models/heads/people.py has how faces rest, and how far their shapes go. In the second, eyes look straight ahead
-and are half shut: the tracker reads both sides of a face alike, so that what seems to look aside is the face's. A
-mouth that looks closed and is read as open parts its lips from there, for all that is read of them.
+and are half shut: the tracker reads both sides of a face alike, so that what seems to look aside is the face's. Then
+they look down, and to the left by ASIDE as well: lids that hide the irises leave little of that. A mouth that looks
+closed and is read as open parts its lips from there, for all that is read of them.
 """
 
 import argparse
@@ -27,6 +28,8 @@ SIZE = 384
 SHAPES = ("jawOpen", "mouthSmile", "mouthPucker", "eyeBlink", "browInnerUp", "browDown")
 WEIGHTS = (0.1, 0.15, 0.2, 0.25, 0.5, 0.75, 1.0)
 HALF_SHUT = 0.5
+ASIDE = 0.6
+DOWN = {"eyeLookDown": 1.0}
 LIP_GAP = BLOCKS["measures"].start + MEASURES.index("lip_gap")
 CHANNELS = [channel.name for channel in SCORE_CHANNELS]
 
@@ -44,11 +47,14 @@ def main() -> None:
         for shape in SHAPES:
             at = [channel(shape, seen(mirror, drawn(mirror, **{shape: weight})), rest) for weight in WEIGHTS]
             print(f"| {mirror.gem.name} | {shape} | {' | '.join(f'{one:.3f}' for one in at)} |")
-    print("\n| avatar | half shut, looks aside by | at rest, lips apart, mm |\n|---|---|---|")
+    print("\n| avatar | half shut, looks aside by | looking down, is read | and aside | at rest, lips apart, mm |")
+    print(f"|---|{'---|' * 4}")
     for mirror in mirrors:
-        rest, half = (seen(mirror, drawn(mirror, eyeBlink=shut)) for shut in (0.0, HALF_SHUT))
-        aside, apart = channel("gaze horizontal", half, rest), 10 * rest.features[LIP_GAP]
-        print(f"| {mirror.gem.name} | {aside:+.2f} | {apart:.1f} |")
+        rest, half, down = (seen(mirror, drawn(mirror, **one)) for one in ({}, {"eyeBlink": HALF_SHUT}, DOWN))
+        aside = seen(mirror, drawn(mirror, **DOWN, eyeLookOutLeft=ASIDE, eyeLookInRight=ASIDE))
+        gaze = [("gaze horizontal", half), ("gaze vertical", down), ("gaze horizontal", aside)]
+        cells = [f"{channel(name, reading, rest):+.2f}" for name, reading in gaze]
+        print(f"| {mirror.gem.name} | {' | '.join(cells)} | {10 * rest.features[LIP_GAP]:.1f} |")
 
 
 def drawn(mirror: Mirror, **weights: float) -> Image:

@@ -106,6 +106,15 @@ def test_expressions_are_read_by_the_tracker(name: str) -> None:
         assert score(seen(photo(gem, **weights)), channel) - score(rest, channel) > least, channel
 
 
+@pytest.mark.parametrize("name", ["mara", "theo"])  # Jonah's lower lids stay up
+def test_eyes_that_look_down_are_seen_to_look_aside(name: str) -> None:
+    """Lower lids that stayed up, and upper ones that fell before the eyes, would hide where they look."""
+    gem = avatar(name)
+    ahead, aside = (seen(photo(gem, eyeLookDown=1.0, eyeLookOutLeft=left, eyeLookInRight=left)) for left in (0.0, 0.6))
+    for channel in ("eyeLookOutLeft", "eyeLookInRight"):
+        assert score(aside, channel) - score(ahead, channel) > 0.4, channel
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_lids_close_over_the_eyes(name: str) -> None:
     gem = avatar(name)
