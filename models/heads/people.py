@@ -81,8 +81,8 @@ class Person:
     """How much of MakeHuman's lowered lower lip its chin does, 0..1: with all of it the face tracker takes a grin for a
     jaw that opens; people's chins stand still. Lin and Ada were recorded with all of it."""
     lids_follow: float = 0.0
-    """How far lids go down with eyes that look down, 0..1 (``units.LIDS_DOWN``); Lin and Ada were recorded so, and Mara
-    and Jonah were made so."""
+    """How far lids go down with eyes that look down, 0..1 (``units.LIDS_DOWN``); Lin and Ada were recorded with
+    none of it, and Mara and Jonah made."""
     round_grin: float = 0.0
     """How level the upper lip and how round the lower one is that bares teeth, 0..1 (``lips.level``, ``lips.bowl``):
     MakeHuman's grin snarls, least with lips as even as Jonah's. Lin and Ada were recorded so."""
