@@ -30,7 +30,7 @@ LIDS_UP = {"eyeWide": 0.6}
 """What eyes that look up borrow, and how much: they raise the lids, which MakeHuman's shape hardly does."""
 LIDS_DOWN = {"eyeSquint": -1.0, "eyeBlink": 0.2}
 """The same of eyes that look down. MakeHuman's lower lids stay up and hide the irises, its upper ones stay behind: an
-avatar looked down with its lids, and where it looked to the side then was not seen any more."""
+avatar looked down by a blink, and where it looked to the side then was hardly seen."""
 SIDES = ("Left", "Right")
 
 
@@ -46,10 +46,10 @@ def face_units(
     units *= np.array([GAIN.get(name, 1.0) * person.gain.get(name, 1.0) for name in NAMES])[:, None, None]
     _carry_lids(units, person.lids_follow)
     _round_mouth(units, body, is_flesh)
-    _bare_teeth(units, body, person)
     # before smiles are stretched: at rest the corners are lifted, not drawn apart
     rest = sum((weight * units[NAMES.index(name)] for name, weight in person.rest.items()), np.zeros_like(body))
     _stretch_smiles(units)
+    _bare_teeth(units, body, person)
     return units, rest
 
 

@@ -108,7 +108,7 @@ def test_expressions_are_read_by_the_tracker(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["theo"])  # the others' lower lids stay up
 def test_eyes_that_look_down_are_seen_to_look_aside(name: str) -> None:
-    """Lower lids that stayed up, and upper ones that fell before the eyes, would hide where they look."""
+    """Lower lids that stay up hide where they look."""
     gem = avatar(name)
     ahead, aside = (seen(photo(gem, eyeLookDown=1.0, eyeLookOutLeft=left, eyeLookInRight=left)) for left in (0.0, 0.6))
     for channel in ("eyeLookOutLeft", "eyeLookInRight"):
