@@ -39,6 +39,7 @@ SMALL = {
     "nodding": "{mara} {theo} --faces 4",
     "pose_leak": "{mara} --heads {mara} --fov 20 --size 128",
     "reread": "{mara} {clip} --every 1 --components 5",
+    "resting": "{mara} --steps 1",
     "shapes": "{mara}",
     "sides": "{clip} --heads {mara}",
     "sizes": "{clip} --avatars {mara} --cache {out}",
@@ -47,11 +48,12 @@ SMALL = {
 SMALLER: dict[str, dict[str, object]] = {
     "diff_speed": {"SCENES": ((50, 16),)},
     "mouths": {"EVERY": 1, "WHOLE": ("jawOpen",), "BARED": -1.0, "SMILING": -1.0, "SHUT": 2.0, "AJAR": (-1.0, 2.0)},
+    "resting": {"RESTS": ("mouthSmile",), "GAINS": (), "WANTED": lambda wanted: wanted[-1:]},
     "shapes": {"SHAPES": ("jawOpen",)},
     "sides": {"EVERY": 1, "FEWEST": 3},
     "sizes": {"EVERY": 1, "SIZES": (128,), "SCALES": (1.0,)},
 }
-"""Constants of theirs."""
+"""Constants of theirs, or what becomes of them."""
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +92,7 @@ def run(name: str, words: str, monkeypatch: pytest.MonkeyPatch) -> int | None:
     """A script with these words; its exit code, if it says one."""
     script = opened(name, monkeypatch)
     for constant, value in SMALLER.get(name, {}).items():
-        monkeypatch.setattr(script, constant, value)
+        monkeypatch.setattr(script, constant, value(getattr(script, constant)) if callable(value) else value)
     monkeypatch.setattr(poseleak, "SIDE_STEPS", 1)
     monkeypatch.setattr(poseleak, "ROUND_STEPS", 2)
     monkeypatch.setattr(sys, "argv", [name, *words.split()])

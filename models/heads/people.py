@@ -82,10 +82,10 @@ class Person:
     jaw that opens; people's chins stand still. Lin and Ada were recorded with all of it."""
     lids_follow: float = 0.0
     """How far lids go down with eyes that look down, 0..1 (``units.LIDS_DOWN``); Lin and Ada were recorded with
-    none of it, and Mara and Jonah made."""
+    none of it, and Mara made."""
     round_grin: float = 0.0
     """How level the upper lip and how round the lower one is that bares teeth, 0..1 (``lips.level``, ``lips.bowl``):
-    MakeHuman's grin snarls, least with lips as even as Jonah's. Lin and Ada were recorded so."""
+    MakeHuman's grin snarls. Lin and Ada were recorded so."""
 
 
 def _both(path: str, weight: float) -> dict[str, float]:
@@ -226,16 +226,22 @@ JONAH = Person(
     lip_gloss=0.0,
     even_eyes=1.0,
     stubble=0.35,
-    # with corners up at rest a head that nods was read as one that smiles; lips that close tight part late; brows
-    # as low as they are without these read as lowered, which raised ones took back; lips no wider than they were, as a
-    # kiss; a lower lip higher than the upper one, as a mouth that stands open, and its jaw woke at once
+    # of tests/bench/resting.py: lips that stand out passed for a kiss where he nods, .35 of one at 15 degrees, and lips
+    # that close tight hid a jaw that sinks; brows as low as they are without these read as lowered, which raised ones
+    # took back
     rest=RELAXED
-    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "mouthSmileLeft": 0.03, "mouthSmileRight": 0.03}
-    | {"mouthClose": 0.03, "browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
-    | {"mouthRollUpper": 0.15, "mouthRollLower": 0.15, "mouthPucker": -0.1},
-    gain=_paired({"browDown": 1.5, "mouthSmile": 1.15, "mouthUpperUp": 1.7, "mouthLowerDown": 2.0})
-    | {"browInnerUp": 1.45, "mouthPucker": 1.2},
+    | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
+    | _paired({"mouthSmile": 0.18, "mouthStretch": -0.13, "mouthDimple": -0.08, "mouthPress": -0.12})
+    | _paired({"mouthUpperUp": -0.19, "mouthFrown": -0.36})
+    | {"jawOpen": 0.163, "mouthClose": 0.125, "mouthRollUpper": 0.24, "mouthRollLower": 0.44}
+    | {"mouthShrugUpper": -0.22, "mouthShrugLower": 0.08, "mouthFunnel": 0.03, "mouthPucker": 0.04},
+    gain=_paired({"mouthSmile": 1.22, "mouthStretch": 1.33, "mouthUpperUp": 2.8, "mouthLowerDown": 1.85})
+    | _paired({"browDown": 1.5})
+    | {"browInnerUp": 1.45, "mouthPucker": 1.25},
     chin_follows=0.1,
+    lids_follow=1.0,
+    round_grin=1.0,
+    neckline=2.5,
 )
 
 LIN = Person(

@@ -46,10 +46,10 @@ def face_units(
     units *= np.array([GAIN.get(name, 1.0) * person.gain.get(name, 1.0) for name in NAMES])[:, None, None]
     _carry_lids(units, person.lids_follow)
     _round_mouth(units, body, is_flesh)
+    _bare_teeth(units, body, person)
     # before smiles are stretched: at rest the corners are lifted, not drawn apart
     rest = sum((weight * units[NAMES.index(name)] for name, weight in person.rest.items()), np.zeros_like(body))
     _stretch_smiles(units)
-    _bare_teeth(units, body, person)
     return units, rest
 
 
