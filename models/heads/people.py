@@ -226,9 +226,9 @@ JONAH = Person(
     lip_gloss=0.0,
     even_eyes=1.0,
     stubble=0.35,
-    # of tests/bench/resting.py: lips that stand out passed for a kiss where he nods, .35 of one at 15 degrees, and lips
-    # that close tight hid a jaw that sinks; brows as low as they are without these read as lowered, which raised ones
-    # took back
+    # found as tests/bench/resting.py finds rests, and then by hand over four bakes: lips that stand out passed for a
+    # kiss where he nods, .35 of one at 15 degrees, and lips that close tight hid a jaw that sinks; brows as low as they
+    # are without these read as lowered, which raised ones took back
     rest=RELAXED
     | {"eyeWideLeft": 0.32, "eyeWideRight": 0.32, "browInnerUp": 0.2, "browOuterUpLeft": 0.44, "browOuterUpRight": 0.44}
     | _paired({"mouthSmile": 0.18, "mouthStretch": -0.13, "mouthDimple": -0.08, "mouthPress": -0.12})

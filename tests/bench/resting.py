@@ -1,9 +1,10 @@
-"""Which rest, and how large shapes, make a face tracker read an avatar's mouth as it reads people's.
+"""Which rest, and how large shapes, make a face tracker read an avatar's mouth as WANTED says.
 
     python tests/bench/resting.py AVATAR.gem [--timid 0.5] [--steps 4]
 
 A GEM is linear, so that a face at rest is tried without a bake, as ARKit weights that are added to all that the avatar
-acts. Least squares find those, and factors on its shapes, from which the readings of WANTED follow best. What they
+acts. Least squares find those, and factors on its shapes, from which the readings of WANTED follow best: of jaws and
+kisses they are about what is read of Mara and Theo, of smiles and grins partly what is read of people. What they
 print is what models/heads/people.py adds to a person's rest (divided by the factor where there is one: a rest is in
 units of the person's own shapes), and the readings before and after. A bake that follows it reads alike, but not the
 same: look at its pictures, run the tests of shipped avatars, and start here again from it.
@@ -45,7 +46,7 @@ Weights = dict[str, float]
 
 @dataclass(frozen=True)
 class Wanted:
-    """One reading of one picture, as people's are."""
+    """One reading of one picture, as it should be."""
 
     reads: str
     """A score, or one of MEASURES (cm, away from the rest)."""
